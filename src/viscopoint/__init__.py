@@ -1,0 +1,49 @@
+"""The Taylor impact test of viscoelastic solids, by the material point method.
+
+    import viscopoint as vp
+
+    case = vp.Case.load("paper").with_(material={"decay": "65 1/ms"})
+    run = vp.run(case)
+    run.history.plot("time", "velocity")
+    run.snapshot("20 us")["stress"]
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from viscopoint.case import Case, packaged
+    from viscopoint.errors import CaseError, InputError, OutputError, ViscopointError
+    from viscopoint.results import Run, Snapshot
+    from viscopoint.running import run
+
+__all__ = [
+    "Case",
+    "CaseError",
+    "InputError",
+    "OutputError",
+    "Run",
+    "Snapshot",
+    "ViscopointError",
+    "packaged",
+    "run",
+]
+
+_HOME = {
+    "Case": "case",
+    "packaged": "case",
+    "CaseError": "errors",
+    "InputError": "errors",
+    "OutputError": "errors",
+    "ViscopointError": "errors",
+    "Run": "results",
+    "Snapshot": "results",
+    "run": "running",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import what is asked for, and only that: ``viscopoint --help`` need not wait for the compiler."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'viscopoint' has no attribute '{name}'")
+    return getattr(importlib.import_module(f"viscopoint.{_HOME[name]}"), name)

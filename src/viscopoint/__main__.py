@@ -1,0 +1,5 @@
+"""``python -m viscopoint``."""
+
+from viscopoint.cli import main
+
+main()

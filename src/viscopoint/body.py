@@ -1,0 +1,55 @@
+"""The rod, filled with material points."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class Surface(NamedTuple):
+    """Which points show where the rod's surface is (see ``gauges``)."""
+
+    ring: Indices  # [layer, c], points around the circumference of each layer, from the foot up
+    swell: Array  # [c], the rod's radius over the radius at which such a point starts
+    tail: Indices  # [column, 2], points of the last two layers; the rod ends ``reach`` of their distance further
+    foot: Indices  # [column, 2], the same at the foot
+    reach: float
+
+
+class Body(NamedTuple):
+    """Points and what each stands for."""
+
+    position: Array  # [p, 3], mm
+    volume: Array  # [p], mm^3
+    surface: Surface
+
+
+def rod_lattice(radius: float, length: float, spacing: float) -> Body:
+    """Fill an upright rod, its foot at z = 0, with the paper's lattice.
+
+    Points stand at half spacings from the axis and from the foot, wherever that is inside the rod: 21,172 = 316 x 67
+    for the paper's 3.8 mm, 25.4 mm and 0.38 mm. All lengths in mm.
+    """
+    half = int(radius / spacing) + 1
+    places = (np.arange(-half, half) + 0.5) * spacing
+    y, x = (grid.ravel() for grid in np.meshgrid(places, places, indexing="ij"))
+    inside = x**2 + y**2 <= radius**2 * (1 + 1e-12)
+    x, y = x[inside], y[inside]
+    layers = int(length / spacing + 0.5 + 1e-9)
+    z = (np.arange(layers) + 0.5) * spacing
+    position = np.column_stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, len(x))])
+    index = np.arange(len(position)).reshape(layers, len(x))
+    start = np.hypot(x, y)
+    rim = start > radius - spacing
+    next_in = 1 if layers > 1 else 0
+    surface = Surface(
+        ring=index[:, rim],
+        swell=radius / start[rim],
+        tail=np.column_stack([index[-1], index[-1 - next_in]]),
+        foot=np.column_stack([index[0], index[next_in]]),
+        reach=0.5,
+    )
+    return Body(position, np.full(len(position), spacing**3), surface)

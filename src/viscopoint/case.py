@@ -1,0 +1,151 @@
+"""A case: all that a simulation needs to know, read from TOML with units and checked as a whole."""
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Union
+
+import tomli_w
+from pydantic import Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
+from typing_extensions import Self
+
+import viscopoint.laws  # noqa: F401  (its modules declare the materials)
+from viscopoint.errors import CaseError, Fault, InputError, nearest
+from viscopoint.explain import explain, valid_values
+from viscopoint.inputs import Guards, Impact, Material, Output, Rod, Table, Time
+from viscopoint.mpm.inputs import MPMInput
+from viscopoint.rules import broken
+
+LONGEST_FILE = 1_000_000  # bytes
+
+
+def _materials(base: type[Material] = Material) -> Iterator[type[Material]]:
+    """Yield the tables of all laws."""
+    for derived in base.__subclasses__():
+        if "law" in derived.model_fields:
+            yield derived
+        yield from _materials(derived)
+
+
+AnyMaterial = Annotated[Union[tuple(dict.fromkeys(_materials()))], Field(discriminator="law")]  # noqa: UP007
+
+
+class Case(Table):
+    """A rod, its impact, its material, the method and what to keep."""
+
+    title: str = Field("", max_length=200)
+    rod: Rod
+    impact: Impact
+    material: AnyMaterial  # pyright: ignore[reportInvalidTypeForm]  (the laws found in the package)
+    method: MPMInput
+    time: Time
+    guards: Guards = Guards()
+    output: Output = Output()
+
+    @classmethod
+    def load(cls, source: str | Path, changes: Mapping[str, Any] | None = None) -> Self:
+        """Read a packaged case by its name, or a TOML file by its path.
+
+        Args:
+            source: such as "paper", or "my/case.toml".
+            changes: values by dotted key, such as ``{"rod.radius": "4 mm"}``, put over those of the file.
+
+        Raises:
+            InputError: there is no such case, or it is not TOML.
+            CaseError: the case has faults; the message lists them all.
+        """
+        tables = _with_base(_read(source), str(source))
+        for key, value in (changes or {}).items():
+            tables = merged(tables, _nested(key, value))
+        return cls.from_tables(tables, str(source))
+
+    @classmethod
+    def from_tables(cls, tables: Mapping[str, Any], source: str = "the case") -> Self:
+        """Check tables as they stand in a TOML file; raise ``CaseError`` with all faults."""
+        try:
+            return cls.model_validate(dict(tables))
+        except ValidationError as error:
+            faults = [explain(detail, cls, tables) for detail in error.errors() if detail["type"] != "misfit"]
+            raise CaseError(source, faults + list(broken(valid_values(cls, tables)))) from None
+
+    def with_(self, changes: Mapping[str, Any] | None = None, /, **tables: Mapping[str, Any]) -> Self:
+        """Return a changed copy, checked again.
+
+        ``case.with_({"material.decay": "65 1/ms"})`` and ``case.with_(material={"decay": "65 1/ms"})`` do the same.
+        """
+        result = merged(self.to_tables(), tables)
+        for key, value in (changes or {}).items():
+            result = merged(result, _nested(key, value))
+        return self.from_tables(result, "the changed case")
+
+    def to_tables(self) -> dict[str, Any]:
+        """Return the tables of a TOML file that gives this case, with every default spelt out."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+    def to_toml(self) -> str:
+        """Return the text of a TOML file that gives this case."""
+        return tomli_w.dumps(self.to_tables())
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        for fault in broken(valid_values(type(self), self.to_tables())):
+            raise PydanticCustomError("misfit", "{fault}", {"fault": str(fault)})
+        object.__setattr__(self, "method", self.method.completed(self.rod, self.impact))
+        return self
+
+
+def packaged() -> dict[str, str]:
+    """Return the packaged cases, name and title."""
+    folder = resources.files("viscopoint.cases")
+    names = sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    return {name: tomllib.loads((folder / f"{name}.toml").read_text())["title"] for name in names}
+
+
+def merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return tables with changes put over them, key by key; a table of another law or method starts afresh."""
+    result = dict(tables)
+    for key, value in changes.items():
+        old = result.get(key)
+        if isinstance(old, Mapping) and isinstance(value, Mapping):
+            chooses = any(choice in value and value[choice] != old.get(choice) for choice in ("law", "name"))
+            result[key] = dict(value) if chooses else merged(old, value)
+        else:
+            result[key] = value
+    return result
+
+
+def _nested(key: str, value: Any) -> dict[str, Any]:
+    """Return {"a": {"b": value}} for the key "a.b"."""
+    first, _, rest = key.partition(".")
+    return {first: _nested(rest, value) if rest else value}
+
+
+def _read(source: str | Path) -> dict[str, Any]:
+    path = Path(source)
+    if path.suffix != ".toml" and not path.is_file():
+        names = packaged()
+        if str(source) not in names:
+            raise InputError(f"there is no case '{source}', neither packaged nor a file; {nearest(str(source), names)}")
+        return tomllib.loads((resources.files("viscopoint.cases") / f"{source}.toml").read_text())
+    try:
+        if path.stat().st_size > LONGEST_FILE:
+            raise InputError(f"case file {path}: larger than {LONGEST_FILE} bytes, so not a case")
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"case file {path}: cannot be read ({error.strerror})") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise InputError(f"case file {path}: not TOML ({error})") from None
+
+
+def _with_base(tables: dict[str, Any], source: str) -> dict[str, Any]:
+    """Put the tables over those of the packaged case that they extend."""
+    if "extends" not in tables:
+        return tables
+    names = packaged()
+    base = tables["extends"]
+    if base not in names:
+        raise CaseError(source, [Fault("extends", f"{base!r} is no packaged case; {nearest(str(base), names)}")])
+    rest = {key: value for key, value in tables.items() if key != "extends"}
+    return merged(_with_base(_read(base), base), rest)

@@ -1,0 +1,1 @@
+"""The packaged cases, as TOML files."""

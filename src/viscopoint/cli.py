@@ -1,0 +1,209 @@
+"""The command line: thin, and quick to answer."""
+
+import contextlib
+import sys
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from viscopoint.ledger import Row
+    from viscopoint.results import Run
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="A laboratory for the Taylor impact test of viscoelastic solids.",
+    epilog="Exit codes: 0 done, 1 stopped by a guard, 2 bad input, 3 results could not be written, 130 interrupted.",
+)
+
+CaseName = Annotated[str, typer.Argument(metavar="CASE", help="A packaged case (see `viscopoint cases`) or a TOML file.")]
+RunFolder = Annotated[Path, typer.Argument(metavar="RUN", help="A run folder.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help='Change a key of the case, as in --set rod.radius="4 mm".'),
+]
+
+
+@app.command()
+def run(
+    case: CaseName,
+    out: Annotated[Path | None, typer.Option(help="The run folder to make (default: runs/CASE).")] = None,
+    changes: Set = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a run folder that is already there.")] = False,
+    threads: Annotated[int | None, typer.Option(min=1, help="Threads to compute with (default: all).")] = None,
+    figures: Annotated[bool, typer.Option(help="Draw the figures.")] = True,
+) -> None:
+    """Simulate a case and leave a run folder."""
+    with _messages():
+        from viscopoint.case import Case
+        from viscopoint.running import run as run_case
+
+        resolved = Case.load(case, _changes(changes))
+        _use_threads(threads)
+        folder = out or Path("runs", Path(case).name.removesuffix(".toml"))
+        with _progress() as watch:
+            done = run_case(resolved, folder, force=force, figures=figures, watch=watch)
+        _print_summary(done)
+    raise typer.Exit({"complete": 0, "interrupted": 130}.get(done.status, 1))
+
+
+@app.command()
+def show(run: RunFolder) -> None:
+    """Print the results of a run."""
+    with _messages():
+        from viscopoint.results import Run
+
+        _print_summary(Run(run))
+
+
+@app.command()
+def cases() -> None:
+    """List the packaged cases."""
+    with _messages():
+        from viscopoint.case import packaged
+
+        for name, title in packaged().items():
+            typer.echo(f"{name:15} {title}")
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(help="The case file to write.")] = Path("case.toml"),
+    force: Annotated[bool, typer.Option("--force", help="Replace the file if it is there.")] = False,
+) -> None:
+    """Write a commented case to start from."""
+    with _messages():
+        from importlib import resources
+
+        from viscopoint.errors import InputError
+        from viscopoint.folder import write_text
+
+        if file.exists() and not force:
+            raise InputError(f"case file {file}: already there; --force replaces it")
+        try:
+            write_text(file, (resources.files("viscopoint.cases") / "starter.txt").read_text(encoding="utf-8"))
+        except OSError as error:
+            raise InputError(f"case file {file}: cannot be written ({error.strerror})") from None
+        typer.echo(f"{file}: run it with `viscopoint run {file}`")
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of case files, for editors."""
+    with _messages():
+        import json
+
+        from viscopoint.case import Case
+
+        typer.echo(json.dumps(Case.model_json_schema(), indent=2))
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+@contextlib.contextmanager
+def _messages() -> Any:
+    """Turn our errors into one message and an exit code."""
+    from viscopoint.errors import ViscopointError
+
+    try:
+        yield
+    except ViscopointError as error:
+        typer.echo(f"viscopoint: {error}", err=True)
+        raise typer.Exit(error.exit_code) from None
+
+
+def _changes(settings: list[str] | None) -> dict[str, Any]:
+    """Read --set KEY=VALUE, the value as TOML or else as bare text."""
+    from viscopoint.errors import InputError
+
+    changes: dict[str, Any] = {}
+    for setting in settings or []:
+        key, equals, text = setting.partition("=")
+        if not equals or not all(part.strip() for part in key.split(".")):
+            raise InputError(f"--set {setting}: write it as KEY=VALUE, such as rod.radius='4 mm'")
+        try:
+            changes[key.strip()] = tomllib.loads(f"value = {text}")["value"]
+        except (tomllib.TOMLDecodeError, KeyError):
+            changes[key.strip()] = text.strip()
+    return changes
+
+
+def _use_threads(threads: int | None) -> None:
+    import numba
+
+    from viscopoint.errors import InputError
+
+    if threads is not None:
+        most = numba.config.NUMBA_NUM_THREADS  # pyright: ignore[reportAttributeAccessIssue]
+        if threads > most:
+            raise InputError(f"--threads {threads}: this machine has {most}")
+        numba.set_num_threads(threads)
+
+
+@contextlib.contextmanager
+def _progress() -> Any:
+    """Show a bar with the time left on a terminal, and nothing elsewhere."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    columns = (
+        BarColumn(), TextColumn("{task.percentage:3.0f} %"), TextColumn("{task.description}"),
+        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
+    )  # fmt: skip
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("compiling", total=1.0)
+
+        def watch(share: float, row: "Row") -> None:
+            progress.update(task, completed=share, description=f"{row.time * 1e3:.2f} us, step {row.step}")
+
+        yield watch
+
+
+def _print_summary(run: "Run") -> None:
+    """Print a table of the snapshots and how the run ended."""
+    from rich.console import Console
+    from rich.table import Table
+
+    heads = ("length", "foot radius", "greatest radius", "velocity", "kinetic", "impulse", "ledger", "points")
+    units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "%", "lost")
+    table = Table("time\nus", *(f"{head}\n{unit}" for head, unit in zip(heads, units, strict=True)), box=None)
+    for column in table.columns:
+        column.justify = "right"
+    energy = run.summary.get("initial_kinetic_energy [mJ]")
+    for row in run.summary.get("snapshots", []):
+        values = (row["length"], row["foot_radius"], row["greatest_radius"], row["velocity"], row["kinetic"])
+        ledger = 100.0 * row["numerical"] / energy
+        table.add_row(
+            f"{row['time'] * 1e3:g}", *(f"{value:.3f}" for value in values),
+            f"{row['wall_impulse']:.3f}", f"{ledger:+.2f}", str(row["points_lost"]),
+        )  # fmt: skip
+    console = Console(width=None if sys.stdout.isatty() else 100, highlight=False)
+    if run.case.title:
+        console.print(run.case.title, markup=False)
+    console.print(table)
+    console.print(_ending(run), markup=False, soft_wrap=True)
+
+
+def _ending(run: "Run") -> str:
+    """Say in a sentence how a run ended and where it is."""
+    facts = run.summary
+    if run.status == "running":
+        return f"not finished: still running, or killed; {run.folder}"
+    pace = facts["points"] * facts["steps"] / max(facts["wall_time [s]"], 1e-3) / 1e6
+    ended = "complete" if run.status == "complete" else f"INCOMPLETE ({facts['reason']})"
+    return (
+        f"{ended}: {facts['points']} points, {facts['steps']} steps in {facts['wall_time [s]']:.2f} s "
+        f"({pace:.1f} M point-steps/s), ledger within {facts['energy_error [%]']:.2f} % of the initial kinetic energy\n"
+        f"{run.folder}"
+    )

@@ -1,0 +1,52 @@
+"""The figures of a run: one short file each, found by itself.
+
+A figure is a function of a ``Run`` that returns a Matplotlib figure, offered under the name of its PNG file.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from viscopoint.discovery import import_all
+
+if TYPE_CHECKING:
+    from viscopoint.results import Run
+
+FIGURES: dict[str, "Callable[[Run], Figure]"] = {}
+STYLE = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "savefig.dpi": 150,
+}
+COLOURS = "viridis"
+
+
+def offer(name: str) -> "Callable[[Callable[[Run], Figure]], Callable[[Run], Figure]]":
+    """Let every run draw the decorated figure as ``name``.png."""
+
+    def register(draw: "Callable[[Run], Figure]") -> "Callable[[Run], Figure]":
+        FIGURES[name] = draw
+        return draw
+
+    return register
+
+
+def draw_all(run: "Run", folder: Path) -> list[Path]:
+    """Draw all figures of a run into a folder."""
+    folder.mkdir(exist_ok=True)
+    files = []
+    with rc_context(STYLE):
+        for name, draw in FIGURES.items():
+            files.append(folder / f"{name}.png")
+            draw(run).savefig(files[-1])
+    return files
+
+
+import_all(__name__)

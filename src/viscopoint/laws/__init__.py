@@ -1,0 +1,71 @@
+"""Constitutive laws: one short file each, behind the same few operations.
+
+A law is a NamedTuple of its parameters, in g, mm, ms (so MPa). It also says
+
+- ``density`` [g/mm³],
+- ``instantaneous_modulus`` [MPa]: K + 4G/3 of a sudden strain, which bounds the stable step,
+- ``history_fields``: name and number of components of each group of history values,
+
+and implements the operations declared below. Laws know nothing of points, elements or files; strain increment and
+rotation come in, Cauchy stress goes out. A file put into this folder is found by itself: see CONTRIBUTING.
+"""
+
+from typing import Any, Protocol
+
+from viscopoint.discovery import import_all
+from viscopoint.jit import generic, inline
+from viscopoint.tensors import Matrix, Sym
+
+History = tuple[float, ...]
+
+
+class Law(Protocol):
+    """What the methods ask of a law beside the operations below."""
+
+    @property
+    def density(self) -> float: ...
+    @property
+    def instantaneous_modulus(self) -> float: ...
+    @property
+    def history_fields(self) -> tuple[tuple[str, int], ...]: ...
+
+
+@generic
+def step_factors(law: Any, dt: float) -> Any:
+    """Return what ``update_stress`` needs of the step ``dt`` [ms] alone, computed once for all points."""
+
+
+@generic
+def update_stress(
+    law: Any, factors: Any, strain: Sym, turn: Matrix, jacobian: float, stress: Sym, history: History
+) -> tuple[Sym, History, float]:
+    """Advance one point by a step.
+
+    Args:
+        law: the parameters.
+        factors: ``step_factors(law, dt)``.
+        strain: strain increment, at mid-step.
+        turn: rotation over the step.
+        jacobian: J = det F at the end of the step.
+        stress: Cauchy stress at its start [MPa].
+        history: the law's history values at its start.
+
+    Returns:
+        Stress and history at the end of the step, and the energy the law dissipated per current volume [mJ/mm³].
+    """
+    raise NotImplementedError
+
+
+@generic
+def stored_energy(law: Any, jacobian: float, stress: Sym, history: History) -> float:
+    """Return the recoverable energy per reference volume [mJ/mm³]."""
+    raise NotImplementedError
+
+
+@inline
+def volumetric_energy(bulk: float, jacobian: float, log_jacobian: float) -> float:
+    """Return ∫ K ln J dJ, the energy per reference volume that p = -K ln J stores."""
+    return bulk * (jacobian * log_jacobian - jacobian + 1.0)
+
+
+import_all(__name__)

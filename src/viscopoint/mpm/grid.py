@@ -1,0 +1,168 @@
+"""The background grid: nodes of cubic cells, allocated only around the body, and the points sorted into slabs.
+
+A slab is ``SLAB`` layers of cells along z. Slabs of one colour (even, odd) share no node, so that threads add to them
+without atomics and every node sums its points in the same order, whatever the thread count. Slabs and cells are counted
+from the grid's fixed origin: where memory begins changes no result.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from viscopoint.jit import kernel
+from viscopoint.mpm.points import Array, Points
+
+SLAB = 4  # layers of cells; also the most nodes that a shape function may span along z
+CHUNKS = 64  # pieces of the point list that are sorted independently
+
+
+class Box(NamedTuple):
+    """The region in which points live; outside they are retired."""
+
+    low: tuple[float, float, float]  # mm
+    high: tuple[float, float, float]  # mm
+
+
+class Grid(NamedTuple):
+    """Nodes of a window of the lattice, and the order in which kernels visit the points.
+
+    A node is one row: x, y, z and a fourth column (mass, or unused) that makes it a whole vector register.
+    """
+
+    x0: float  # the lattice's first node, mm
+    y0: float
+    z0: float
+    cell: float  # h, mm
+    per_cell: float  # 1/h, 1/mm
+    nx: np.uint64  # nodes of the window along x
+    ny: np.uint64
+    nz: np.uint64
+    shift: np.uint64  # row of the window's first node, were the window the whole lattice
+    momentum: Array  # [n, 4], (mv)_i and m_i
+    velocity: Array  # [n, 4], v_i
+    change: Array  # [n, 4], f_i until the nodes are accelerated, then the change of v_i
+    order: NDArray[np.uint64]  # [p], points sorted by slab, those outside the box last
+    start: NDArray[np.int64]  # [slabs + 1], where each slab begins in ``order``
+    critical: Array  # [slabs], least stable step of each, ms
+
+
+def lattice(box: Box, cell: float, points: int) -> Grid:
+    """Return a grid that starts at the box's lowest corner, as yet without nodes."""
+    layers = int(np.ceil((box.high[2] - box.low[2]) / cell - 1e-9))
+    slabs = -(-layers // SLAB)
+    nodes = np.zeros((0, 4))
+    zero = np.uint64(0)
+    return Grid(
+        *box.low, cell, 1.0 / cell, zero, zero, zero, zero, nodes, nodes, nodes,
+        order=np.zeros(points, np.uint64), start=np.zeros(slabs + 2, np.int64), critical=np.full(slabs, np.inf),
+    )  # fmt: skip
+
+
+def window(grid: Grid) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the lattice indices of the window's first node and its number of nodes along x, y, z."""
+    nx, ny, nz = int(grid.nx), int(grid.ny), int(grid.nz)
+    rest, i = divmod(int(grid.shift), max(nx, 1))
+    k, j = divmod(rest, max(ny, 1))
+    return np.array([i, j, k]), np.array([nx, ny, nz])
+
+
+def around_points(grid: Grid, points: Points, box: Box) -> Grid:
+    """Sort the points into slabs and return a grid whose window holds all nodes they act on."""
+    slabs = len(grid.critical)
+    slab = np.empty(len(grid.order), np.int32)
+    count = np.zeros((CHUNKS, slabs + 1), np.int64)
+    least = np.full((CHUNKS, 3), np.iinfo(np.int64).max)
+    most = np.full((CHUNKS, 3), -1)
+    find_slabs(points.position, grid, box.low, box.high, slab, count, least, most)
+    offset = np.cumsum(count.T).reshape(slabs + 1, CHUNKS).T - count
+    grid.start[:-1] = offset[0]
+    grid.start[-1] = len(slab)
+    sort_by_slab(slab, offset, grid.order)
+    return _fitted(grid, least.min(axis=0), most.max(axis=0))
+
+
+def _fitted(grid: Grid, low: NDArray[np.int64], high: NDArray[np.int64]) -> Grid:
+    """Return the grid, with a new window if cells ``low`` to ``high`` are not inside the present one."""
+    if np.any(high < 0):  # no point is left in the box
+        return grid
+    margin = 2  # cells: the support of a point beyond its own cell, and room to move before the next new window
+    first, size = window(grid)
+    if np.all(size > 0) and np.all((first == 0) | (low - 1 >= first)) and np.all(high + margin < first + size):
+        return grid
+    first = np.maximum(low - 2 * margin, 0)
+    nx, ny, nz = (int(n) for n in high + 2 * margin + 1 - first)
+    nodes = [np.zeros((nx * ny * nz, 4)) for _ in range(3)]
+    shift = (int(first[2]) * ny + int(first[1])) * nx + int(first[0])
+    return grid._replace(
+        nx=np.uint64(nx), ny=np.uint64(ny), nz=np.uint64(nz), shift=np.uint64(shift),
+        momentum=nodes[0], velocity=nodes[1], change=nodes[2],
+    )  # fmt: skip
+
+
+@kernel
+def find_slabs(
+    position: Array, grid: Grid, low: tuple[float, ...], high: tuple[float, ...],
+    slab: NDArray[np.int32], count: NDArray[np.int64], least: NDArray[np.int64], most: NDArray[np.int64],
+) -> None:  # fmt: skip
+    """Find each point's slab, how many points each chunk has in each slab, and the cells they span."""
+    total = len(position)
+    outside = count.shape[1] - 1
+    for chunk in prange(CHUNKS):
+        for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
+            x, y, z = position[p, 0], position[p, 1], position[p, 2]
+            mine = outside
+            inside = low[0] <= x < high[0] and low[1] <= y < high[1] and low[2] <= z < high[2]
+            if inside:  # never true for a position that is not a number
+                i = int((x - grid.x0) * grid.per_cell)
+                j = int((y - grid.y0) * grid.per_cell)
+                k = int((z - grid.z0) * grid.per_cell)
+                least[chunk, 0], most[chunk, 0] = min(least[chunk, 0], i), max(most[chunk, 0], i)
+                least[chunk, 1], most[chunk, 1] = min(least[chunk, 1], j), max(most[chunk, 1], j)
+                least[chunk, 2], most[chunk, 2] = min(least[chunk, 2], k), max(most[chunk, 2], k)
+                mine = k // SLAB
+            slab[p] = mine
+            count[chunk, mine] += 1
+
+
+@kernel
+def sort_by_slab(slab: NDArray[np.int32], offset: NDArray[np.int64], order: NDArray[np.uint64]) -> None:
+    """List the points by slab; ``offset[chunk, slab]`` says where each chunk's points go."""
+    total = len(slab)
+    for chunk in prange(CHUNKS):
+        for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
+            mine = slab[p]
+            order[offset[chunk, mine]] = p
+            offset[chunk, mine] += 1
+
+
+@kernel
+def clear(grid: Grid) -> None:
+    """Forget the nodes' mass, momentum and force."""
+    momentum, force = grid.momentum, grid.change
+    for n in prange(len(momentum)):
+        for a in range(4):
+            momentum[n, a] = 0.0
+            force[n, a] = 0.0
+
+
+@kernel
+def accelerate(grid: Grid, dt: float) -> None:
+    """Solve the momentum equation: v_i = ((mv)_i + f_i Δt) / m_i; ``change`` becomes f_i Δt / m_i."""
+    momentum, velocity, change = grid.momentum, grid.velocity, grid.change
+    for n in prange(len(momentum)):
+        per_mass = 1.0 / momentum[n, 3] if momentum[n, 3] > 0.0 else 0.0
+        for a in range(3):
+            change[n, a] *= per_mass * dt
+            velocity[n, a] = per_mass * momentum[n, a] + change[n, a]
+
+
+@kernel
+def average(grid: Grid) -> None:
+    """Find the nodes' velocity from their momentum, v_i = (mv)_i / m_i."""
+    momentum, velocity = grid.momentum, grid.velocity
+    for n in prange(len(momentum)):
+        per_mass = 1.0 / momentum[n, 3] if momentum[n, 3] > 0.0 else 0.0
+        for a in range(3):
+            velocity[n, a] = per_mass * momentum[n, a]

@@ -1,0 +1,151 @@
+"""The ``[method]`` table of the material point method."""
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field
+from pydantic_core import PydanticCustomError
+
+from viscopoint.body import Body, rod_lattice
+from viscopoint.errors import nearest
+from viscopoint.inputs import Impact, Rod, Table, machine_memory
+from viscopoint.laws import Law
+from viscopoint.mpm.grid import Box
+from viscopoint.mpm.method import Discretisation, MaterialPointMethod
+from viscopoint.mpm.schemes import SCHEMES
+from viscopoint.mpm.shapes import SHAPES
+from viscopoint.rules import rule
+from viscopoint.units import Coordinate, Length
+from viscopoint.viscosity import BulkViscosity
+from viscopoint.wall import RigidWall
+
+BYTES_PER_POINT = 600  # points, grid, one snapshot being written: a generous count
+
+
+def _one_of(table: dict[str, Any]) -> Any:
+    """Return the type of a word that must be a key of ``table``."""
+
+    def known(name: str) -> str:
+        if name not in table:
+            raise PydanticCustomError("word", "is not known; {allowed}", {"allowed": nearest(name, table)})
+        return name
+
+    return Annotated[str, AfterValidator(known), Field(json_schema_extra={"enum": sorted(table)})]
+
+
+Range = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
+
+
+class BoxInput(Table):
+    """Lowest and highest coordinate along each axis; points that leave the box are retired."""
+
+    x: Range
+    y: Range
+    z: Range
+
+
+class BulkViscosityInput(Table):
+    """q = rho l |d| (linear c + quadratic l |d|) in compression."""
+
+    linear: float = Field(0.06, ge=0, le=1)
+    quadratic: float = Field(1.5, ge=0, le=10)
+
+
+class MPMInput(Table):
+    """``name = "mpm"``."""
+
+    name: Literal["mpm"]
+    cell: Length
+    spacing: Length
+    shape: _one_of(SHAPES) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
+    scheme: _one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
+    pic_fraction: float = Field(0.0, ge=0, le=1)
+    safety: float = Field(0.2, gt=0, le=1)
+    bulk_viscosity: BulkViscosityInput = BulkViscosityInput()
+    box: BoxInput | None = None
+
+    def completed(self, rod: Rod, impact: Impact) -> "MPMInput":
+        """Return the table with a box, by default wide enough for a mushroom and a rebound.
+
+        Only the part of the box around the body takes memory.
+        """
+        if self.box is not None:
+            return self
+        side = 4.0 * rod.radius
+        box = BoxInput.model_construct(x=(-side, side), y=(-side, side), z=(-impact.gap, 2.0 * rod.length))
+        return self.model_copy(update={"box": box})
+
+    def body(self, rod: Rod) -> Body:
+        """Return the rod's points."""
+        return rod_lattice(rod.radius, rod.length, self.spacing)
+
+    def build(self, rod: Rod, impact: Impact, law: Law) -> MaterialPointMethod:
+        """Return the rod as material points on their way to the wall."""
+        assert self.box is not None, "completed() gives every table a box"
+        (x0, x1), (y0, y1), (z0, z1) = self.box.x, self.box.y, self.box.z
+        choices = Discretisation(
+            cell=self.cell,
+            box=Box((x0, y0, z0), (x1, y1, z1)),
+            shape=SHAPES[self.shape],
+            scheme=SCHEMES[self.scheme],
+            pic=self.pic_fraction,
+            safety=self.safety,
+            viscosity=BulkViscosity(self.bulk_viscosity.linear, self.bulk_viscosity.quadratic),
+        )
+        wall = RigidWall(-impact.gap, impact.friction)
+        return MaterialPointMethod(self.body(rod), law, (wall,), choices, (0.0, 0.0, -impact.speed))
+
+
+@rule("method.spacing", "method.cell")
+def spacing_within_cell(spacing: float, cell: float) -> str | None:
+    return f"{spacing:g} mm is larger than method.cell, {cell:g} mm" if spacing > cell else None
+
+
+@rule("method.cell", "rod.radius")
+def cell_within_radius(cell: float, radius: float) -> str | None:
+    return f"{cell:g} mm is larger than the rod: rod.radius is {radius:g} mm" if cell > radius else None
+
+
+@rule("method.cell", "rod.length")
+def cell_within_length(cell: float, length: float) -> str | None:
+    return f"{cell:g} mm is larger than the rod: rod.length is {length:g} mm" if cell > length else None
+
+
+@rule("method.spacing", "rod.radius", "rod.length")
+def points_within_memory(spacing: float, radius: float, length: float) -> str | None:
+    points = math.pi * radius**2 * length / spacing**3
+    needed, there = points * BYTES_PER_POINT / 2**30, machine_memory() / 2**30
+    if needed <= there:
+        return None
+    return f"{spacing:g} mm gives {points:.1e} points, about {needed:.3g} GiB; there are {there:.3g}: take a larger one"
+
+
+@rule("method.box.x", "rod.radius")
+def box_around_rod_in_x(limits: tuple[float, float], radius: float) -> str | None:
+    return _cut(limits, -radius, radius)
+
+
+@rule("method.box.y", "rod.radius")
+def box_around_rod_in_y(limits: tuple[float, float], radius: float) -> str | None:
+    return _cut(limits, -radius, radius)
+
+
+@rule("method.box.z", "rod.length", "impact.gap")
+def box_around_rod_in_z(limits: tuple[float, float], length: float, gap: float) -> str | None:
+    return _cut(limits, -gap, length)
+
+
+def _cut(limits: tuple[float, float], low: float, high: float) -> str | None:
+    if limits[0] <= low and limits[1] >= high:
+        return None
+    told = f"[{limits[0]:g} mm, {limits[1]:g} mm] cuts the rod or the wall"
+    return f"{told}: it must reach from {low:g} mm to {high:g} mm"
+
+
+@rule("method.box.z", "impact.gap", "method.cell")
+def wall_on_a_plane_of_nodes(limits: tuple[float, float], gap: float, cell: float) -> str | None:
+    planes = (-gap - limits[0]) / cell
+    if planes < 0 or abs(planes - round(planes)) < 1e-6:
+        return None
+    told = f"starts at {limits[0]:g} mm, which puts the wall, at {-gap:g} mm (-impact.gap), between planes of the grid"
+    return f"{told}; start there or a whole number of cells ({cell:g} mm) below"

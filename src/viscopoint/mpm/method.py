@@ -1,0 +1,159 @@
+"""The material point method as the driver sees it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viscopoint.body import Body
+from viscopoint.laws import Law, step_factors
+from viscopoint.method import Array, Field, Totals
+from viscopoint.mpm.contact import TALLY, touch
+from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, clear, lattice
+from viscopoint.mpm.points import Points, at_rest
+from viscopoint.mpm.schemes import Scheme
+from viscopoint.mpm.stress import sum_points, update_points
+from viscopoint.tensors import COMPONENTS
+from viscopoint.viscosity import BulkViscosity, critical_step
+from viscopoint.wall import RigidWall, Symmetry
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """The choices that make an MPM."""
+
+    cell: float  # mm
+    box: Box
+    shape: Any  # of ``mpm.shapes``
+    scheme: Scheme  # of ``mpm.schemes``
+    pic: float  # share of PIC in the velocity update, 0 to 1
+    safety: float  # share of the critical step to take
+    viscosity: BulkViscosity
+
+
+class MaterialPointMethod:
+    """A body of material points on a background grid, moving at ``velocity`` [mm/ms] at the start."""
+
+    def __init__(
+        self,
+        body: Body,
+        law: Law,
+        boundaries: tuple[RigidWall | Symmetry, ...],
+        choices: Discretisation,
+        velocity: tuple[float, float, float] | Array,
+    ) -> None:
+        self.body, self.law, self.boundaries = body, law, boundaries
+        self.box, self.scheme, self.safety = choices.box, choices.scheme, choices.safety
+        self.shape, self.pic, self.viscosity = choices.shape, choices.pic, choices.viscosity
+        self.blank = (0.0,) * sum(size for _, size in law.history_fields)
+        self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
+        self.points: Points = at_rest(body.position, law.density * body.volume, body.volume, len(self.blank))
+        self.points.velocity[:] = velocity
+        self.grid: Grid = lattice(choices.box, choices.cell, len(body.position))
+        fastest = float(np.linalg.norm(self.points.velocity, axis=1).max())
+        self.grid.critical[:] = critical_step(choices.cell, self.sound, 0.0, fastest)
+        self.tally = np.zeros(TALLY)  # of all boundaries, since the start
+        self.middle = tuple(body.position.mean(axis=0))
+        self._sort()
+
+    def stable_step(self) -> float:
+        return self.safety * float(self.grid.critical.min())
+
+    def advance(self, dt: float) -> None:
+        self.scheme(self, dt)
+        self._sort()
+
+    def _sort(self) -> None:
+        self.grid = around_points(self.grid, self.points, self.box)
+
+    # --- the parts of a step that schemes share ---
+
+    def fresh_grid(self) -> Grid:
+        """Return the grid without mass, momentum or force."""
+        clear(self.grid)
+        return self.grid
+
+    def contact(self, grid: Grid) -> None:
+        """Let the boundaries act on the body through the nodes, and keep account of it."""
+        for boundary in self.boundaries:
+            self.tally += touch(boundary, grid, self.middle)
+
+    def hold(self, grid: Grid) -> None:
+        """Hold the nodes where strain is taken; points do not feel it, so no account is kept."""
+        for boundary in self.boundaries:
+            touch(boundary, grid, self.middle)
+
+    def update_stress(self, grid: Grid, dt: float) -> None:
+        """Strain the points by the nodes' velocity and let the law answer."""
+        factors = step_factors(self.law, dt)
+        update_points(
+            self.points, grid, self.shape, self.law, factors, self.blank, self.sound, self.viscosity, dt
+        )
+
+    # --- what the driver and the outputs ask ---
+
+    def totals(self) -> Totals:
+        chunks = np.zeros((CHUNKS, 11))
+        sum_points(self.points, self.law, self.blank, chunks)
+        sums = chunks.sum(axis=0)
+        return Totals(
+            *(float(energy) for energy in sums[:4]),
+            contact=-float(self.tally[3]),
+            friction=-float(self.tally[4]),
+            momentum=sums[5:8],
+            impulse=self.tally[:3].copy(),
+            mass=float(sums[4]),
+            centre=sums[8:11] / sums[4],
+        )
+
+    def positions(self) -> Array:
+        if self.lost() == 0:
+            return self.points.position
+        found = self.points.position.copy()
+        found[self._lost()] = np.nan
+        return found
+
+    def lost(self) -> int:
+        return int(self.grid.start[-1] - self.grid.start[-2])
+
+    def _lost(self) -> NDArray[np.uint64]:
+        return self.grid.order[self.grid.start[-2] :]
+
+    def snapshot(self) -> dict[str, Field]:
+        points = self.points
+        lost = np.zeros(len(points.mass), np.uint8)
+        lost[self._lost()] = 1
+        fields = {
+            "position": Field(points.position, "mm"),
+            "displacement": Field(points.position - self.body.position, "mm"),
+            "velocity": Field(points.velocity, "m/s"),
+            "stress": Field(points.stress, "MPa"),
+            "von_mises": Field(_von_mises(points.stress), "MPa"),
+            "pressure": Field(-points.stress[:, :3].mean(axis=1), "MPa"),
+            "jacobian": Field(points.jacobian, "1"),
+            "viscous_pressure": Field(points.viscous_pressure, "MPa"),
+            "dissipated_energy": Field(points.dissipated, "mJ/mm^3"),
+            "lost": Field(lost, "1"),
+        }
+        column = 0
+        for name, size in self.law.history_fields:
+            values = points.history[:, column : column + size]
+            fields[name] = Field(values[:, 0] if size == 1 else values, "MPa" if size == len(COMPONENTS) else "1")
+            column += size
+        return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        named = {name: np.array(values) for name, values in self.points._asdict().items()}
+        return {**named, "critical": self.grid.critical.copy(), "tally": self.tally.copy()}
+
+    def restore(self, state: dict[str, NDArray[Any]]) -> None:
+        self.points = Points(**{name: np.array(state[name]) for name in Points._fields})
+        self.grid.critical[:] = state["critical"]
+        self.tally = np.array(state["tally"])
+        self._sort()
+
+
+def _von_mises(stress: Array) -> Array:
+    shape = stress[:, :3] - stress[:, :3].mean(axis=1, keepdims=True)
+    return np.sqrt(1.5 * (shape**2).sum(axis=1) + 3.0 * (stress[:, 3:] ** 2).sum(axis=1))

@@ -1,0 +1,45 @@
+"""The material points: all state of the body, as arrays that kernels read by name."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Points(NamedTuple):
+    """Row p is the same piece of material from start to end.
+
+    Points are never re-ordered: neighbours in a solid stay neighbours, so that memory stays local by itself.
+    """
+
+    position: Array  # [p, 3], mm
+    velocity: Array  # [p, 3], mm/ms
+    drift: Array  # [p, 3], velocity of the grid at the point, with which it moves, mm/ms
+    mass: Array  # [p], g
+    volume: Array  # [p], reference volume, mm^3
+    jacobian: Array  # [p], J
+    stress: Array  # [p, 6], Cauchy, xx yy zz xy yz zx, MPa
+    viscous_pressure: Array  # [p], of the bulk viscosity, MPa
+    history: Array  # [p, h], the law's
+    dissipated: Array  # [p], by the law per reference volume, mJ/mm^3
+    viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
+
+
+def at_rest(position: Array, mass: Array, volume: Array, history_size: int) -> Points:
+    """Return stress-free points without velocity."""
+    count = len(position)
+    return Points(
+        position=position.copy(),
+        velocity=np.zeros((count, 3)),
+        drift=np.zeros((count, 3)),
+        mass=mass.copy(),
+        volume=volume.copy(),
+        jacobian=np.ones(count),
+        stress=np.zeros((count, 6)),
+        viscous_pressure=np.zeros(count),
+        history=np.zeros((count, history_size)),
+        dissipated=np.zeros(count),
+        viscous_loss=np.zeros(count),
+    )

@@ -1,0 +1,116 @@
+"""Kernels on the state of each material point: strain, stress, energies."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import prange
+from numba.extending import overload
+from numba.np.unsafe.ndarray import to_fixed_tuple
+
+from viscopoint.jit import kernel
+from viscopoint.kinematics import increments
+from viscopoint.laws import History, stored_energy, update_stress
+from viscopoint.mpm.grid import CHUNKS, Grid
+from viscopoint.mpm.points import Array, Points
+from viscopoint.mpm.transfers import around, gradient
+from viscopoint.tensors import read, trace, write
+from viscopoint.viscosity import BulkViscosity, critical_step, viscous_speed
+
+
+def load(row: Array, blank: History) -> History:
+    """Return a row of history values as a tuple as long as ``blank``, a length that kernels know when compiled."""
+    return tuple(row[: len(blank)])
+
+
+@overload(load, strict=False)
+def _load(row: Any, blank: Any) -> Any:
+    count = len(blank)
+    if count == 0:
+        return lambda row, blank: ()
+    return lambda row, blank: to_fixed_tuple(row, count)
+
+
+def store(row: Array, values: History) -> None:
+    """Put history values back into their row."""
+    row[: len(values)] = values
+
+
+@overload(store, strict=False)
+def _store(row: Any, values: Any) -> Any:
+    def some(row: Any, values: Any) -> None:
+        for k in range(len(values)):
+            row[k] = values[k]
+
+    return some if len(values) else lambda row, values: None
+
+
+@kernel
+def update_points(
+    points: Points,
+    grid: Grid,
+    shape: Any,
+    law: Any,
+    factors: Any,
+    blank: History,
+    sound: float,
+    viscosity: BulkViscosity,
+    dt: float,
+) -> None:
+    """Update L_p, J_p, σ_p and the bulk viscosity from the nodes' velocity, and each slab's stable step.
+
+    ``factors`` are the law's for this step, ``blank`` is as long as its history and ``sound`` the wave speed at J = 1
+    [mm/ms].
+    """
+    jacobian, viscous_pressure, critical = points.jacobian, points.viscous_pressure, grid.critical
+    dissipated, viscous_loss = points.dissipated, points.viscous_loss
+    scale = dt * grid.per_cell
+    for slab in prange(len(grid.start) - 2):
+        least = np.inf
+        for q in range(grid.start[slab], grid.start[slab + 1]):
+            p = grid.order[q]
+            at = around(points, p, grid, shape)
+            strain, turn, ratio = increments(gradient(grid.velocity, grid, at, scale))
+            before, after = jacobian[p], jacobian[p] * ratio
+            stress, history, loss = update_stress(
+                law, factors, strain, turn, after, read(points.stress[p]), load(points.history[p], blank)
+            )
+            jacobian[p] = after
+            write(points.stress[p], stress)
+            store(points.history[p], history)
+            dissipated[p] += after * loss
+            # the viscous pressure of the step before is what pushed the nodes during this one
+            viscous_loss[p] -= before * viscous_pressure[p] * trace(strain)
+            rate = trace(strain) / dt
+            here = sound * math.sqrt(after)
+            damping = viscous_speed(viscosity, grid.cell, here, rate)
+            viscous_pressure[p] = law.density / after * grid.cell * abs(rate) * damping
+            v = points.velocity[p]
+            speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            least = min(least, critical_step(grid.cell, here, damping, speed))
+        critical[slab] = least
+
+
+@kernel
+def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
+    """Sum over each chunk of points: kinetic, stored, law-dissipated, viscous energy; mass; momentum; m x_p.
+
+    Args:
+        sums: ``[CHUNKS, 11]``, in mJ, g, g mm/ms, g mm.
+    """
+    total = len(points.mass)
+    for chunk in prange(CHUNKS):
+        row = sums[chunk]
+        row[:] = 0.0
+        for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
+            m, volume, v, x = points.mass[p], points.volume[p], points.velocity[p], points.position[p]
+            row[0] += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            row[1] += volume * stored_energy(
+                law, points.jacobian[p], read(points.stress[p]), load(points.history[p], blank)
+            )
+            row[2] += volume * points.dissipated[p]
+            row[3] += volume * points.viscous_loss[p]
+            row[4] += m
+            for a in range(3):
+                row[5 + a] += m * v[a]
+                row[8 + a] += m * x[a]

@@ -1,0 +1,30 @@
+"""``history.csv``: one line per row of the ledger, units in the header."""
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+
+from viscopoint.ledger import UNITS, Row
+from viscopoint.method import Field
+from viscopoint.output import offer
+
+NAME = "history.csv"
+
+
+@offer
+class History:
+    """Writes lines as they come, so that an interrupted run keeps them."""
+
+    def __init__(self, folder: Path) -> None:
+        self.file = (folder / NAME).open("w", newline="", encoding="utf-8")
+        self.table = csv.writer(self.file)
+        self.table.writerow(f"{name} [{unit}]" for name, unit in UNITS.items())
+
+    def row(self, row: Row) -> None:
+        self.table.writerow(row)
+
+    def snapshot(self, time: float, fields: Mapping[str, Field]) -> None:
+        self.file.flush()
+
+    def close(self) -> None:
+        self.file.close()

@@ -1,0 +1,62 @@
+"""Where a result comes from: versions, machine, threads, times."""
+
+import platform
+import subprocess
+import sys
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numba
+
+FORMAT = 1  # of run folders
+PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
+
+
+def provenance() -> dict[str, Any]:
+    """Return what a run folder records about its making, at the start of a run."""
+    return {
+        "format": FORMAT,
+        "viscopoint": metadata.version("viscopoint"),
+        "commit": _commit(),
+        "python": platform.python_version(),
+        **{name: metadata.version(name) for name in PACKAGES},
+        "system": f"{platform.system()} {platform.release()}",
+        "machine": platform.machine(),
+        "processor": _processor(),
+        "threads": numba.get_num_threads(),
+        "command": [Path(sys.argv[0]).name, *sys.argv[1:]] if sys.argv and sys.argv[0] else [],
+        "started": now(),
+        "ended": None,
+    }
+
+
+def now() -> str:
+    """Return the time of day, in UTC."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def _commit() -> str | None:
+    """Return the commit of the package's own checkout, with a "+" if it was changed; None if installed otherwise."""
+    package = Path(__file__).parent
+    top = package.parent.parent
+    if not (top / ".git").exists():
+        return None
+
+    def git(*words: str) -> str:
+        return subprocess.run(["git", "-C", top, *words], capture_output=True, text=True, check=True, timeout=10).stdout
+
+    try:
+        changed = git("status", "--porcelain", "--", str(package))
+        return git("rev-parse", "HEAD").strip() + ("+" if changed else "")
+    except (OSError, subprocess.SubprocessError):
+        return None
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor()

@@ -1,0 +1,136 @@
+"""Reads run folders: the one way to a finished run, from the command line, the API and the figures alike."""
+
+import functools
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viscopoint.body import Body
+from viscopoint.case import Case
+from viscopoint.errors import InputError
+from viscopoint.folder import CASE, FIGURES, PROVENANCE, SUMMARY
+from viscopoint.gauges import profile
+from viscopoint.method import Field
+from viscopoint.output import fields as field_file
+from viscopoint.output import history as history_file
+from viscopoint.provenance import FORMAT
+from viscopoint.units import parse
+
+if TYPE_CHECKING:
+    import pandas
+
+NEAR = 1e-6  # relative: a time given in words and a snapshot's that differ by less are the same
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """All fields at one time."""
+
+    time: float  # ms
+    fields: dict[str, Field]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Return the values of a field, such as ``snapshot["velocity"]``, one row per point."""
+        return self.fields[name].values
+
+
+class Run:
+    """A run folder, finished or not."""
+
+    def __init__(self, folder: str | Path) -> None:
+        """Open a run folder; raise ``InputError`` if it is none or from another version."""
+        self.folder = Path(folder)
+        self._temporary: TemporaryDirectory[str] | None = None
+        self.provenance = self._json(PROVENANCE)
+        if self.provenance.get("format") != FORMAT:
+            found = self.provenance.get("format")
+            raise InputError(f"run folder {folder}: format {found}, but this version reads format {FORMAT}")
+        self.summary = self._json(SUMMARY)
+
+    def __repr__(self) -> str:
+        return f"Run({str(self.folder)!r}, {self.status})"
+
+    @property
+    def status(self) -> str:
+        """ "complete", "stopped" (by a guard), "interrupted" or "running"."""
+        return str(self.summary["status"])
+
+    @functools.cached_property
+    def case(self) -> Case:
+        """The case with every default spelt out."""
+        return Case.load(self.folder / CASE)
+
+    @functools.cached_property
+    def body(self) -> Body:
+        """The rod's points at the start, as the case gives them."""
+        return self.case.method.body(self.case.rod)
+
+    @functools.cached_property
+    def history(self) -> "pandas.DataFrame":
+        """The ledger, one line per row, columns by name; ``history.attrs["units"]`` has their units."""
+        import pandas
+
+        table = pandas.read_csv(self._file(history_file.NAME))
+        names = [heading.partition(" [") for heading in table.columns]
+        table.columns = [name for name, _, _ in names]
+        table.attrs["units"] = {name: unit.rstrip("]") for name, _, unit in names}
+        return table
+
+    @functools.cached_property
+    def times(self) -> NDArray[np.float64]:
+        """The times of the snapshots [ms]."""
+        try:
+            return field_file.times(self._file(field_file.NAME))
+        except (OSError, KeyError) as error:
+            raise InputError(f"run folder {self.folder}: {field_file.NAME} cannot be read ({error})") from None
+
+    def snapshot(self, time: str | int) -> Snapshot:
+        """Return the fields at a time such as "20 us", or those of a snapshot by its number (-1: the last).
+
+        Raises:
+            InputError: the run has no snapshot at this time.
+        """
+        number = range(len(self.times))[time] if isinstance(time, int) else self._number(time)
+        return Snapshot(float(self.times[number]), field_file.read(self._file(field_file.NAME), number))
+
+    def profile(self, snapshot: Snapshot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the outline, height and radius of each layer of material from the foot up [mm]."""
+        position = np.where(snapshot["lost"][:, None] > 0, np.nan, snapshot["position"])
+        return profile(self.body.surface, position)
+
+    def draw(self) -> list[Path]:
+        """Draw all figures into the run folder and return their files."""
+        from viscopoint.figures import draw_all
+
+        return draw_all(self, self.folder / FIGURES)
+
+    def _number(self, text: str) -> int:
+        try:
+            time = parse(text, "ms")
+        except ValueError as error:
+            raise InputError(f'snapshot "{text}" {error}; write a time such as "20 us"') from None
+        for number, instant in enumerate(self.times):
+            if abs(instant - time) <= NEAR * self.times[-1]:
+                return number
+        there = ", ".join(f"{instant * 1e3:g} us" for instant in self.times)
+        raise InputError(f'run folder {self.folder}: no snapshot at "{text}"; there are {there}')
+
+    def _file(self, name: str) -> Path:
+        path = self.folder / name
+        if not path.is_file():
+            raise InputError(f"run folder {self.folder}: has no {name}; it is not the folder of a run, or not whole")
+        return path
+
+    def _json(self, name: str) -> dict[str, Any]:
+        try:
+            data = json.loads(self._file(name).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(f"run folder {self.folder}: {name} cannot be read ({error})") from None
+        if not isinstance(data, dict):
+            raise InputError(f"run folder {self.folder}: {name} holds no table")
+        return data

@@ -1,0 +1,66 @@
+"""Runs a case and leaves a run folder."""
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from viscopoint.case import Case
+from viscopoint.errors import OutputError
+from viscopoint.folder import CASE, PROVENANCE, SUMMARY, create, summary, write_json, write_text
+from viscopoint.model import build
+from viscopoint.output import WRITERS
+from viscopoint.provenance import now, provenance
+from viscopoint.results import Run
+from viscopoint.simulation import Simulation, Watch
+
+
+def run(
+    case: Case, out: str | Path | None = None, *, force: bool = False, figures: bool = True, watch: Watch | None = None
+) -> Run:
+    """Simulate a case and return its run folder, opened.
+
+    Args:
+        case: what to simulate.
+        out: the run folder to make; by default a temporary one that goes with the returned ``Run``.
+        force: replace a run folder that is already there.
+        figures: draw the figures too.
+        watch: called with the share done and the ledger's newest row, after each row.
+
+    Returns:
+        The run. Look at its ``status``: a run that a guard stopped, or Ctrl-C, is returned as far as it went.
+
+    Raises:
+        InputError: the folder is already there or cannot be made.
+        OutputError: the results could not be written.
+    """
+    temporary = TemporaryDirectory(prefix="viscopoint-") if out is None else None
+    folder = Path(out) if temporary is None else Path(temporary.name)
+    create(folder, force)
+    with _disk_faults(folder):
+        made = provenance()
+        write_text(folder / CASE, case.to_toml())
+        write_json(folder / PROVENANCE, made)
+        model = build(case)
+        points = len(model.body.position)
+        write_json(folder / SUMMARY, summary(None, 0.0, points))
+        with contextlib.ExitStack() as stack:
+            writers = [stack.enter_context(contextlib.closing(make(folder))) for make in WRITERS]
+            simulation = Simulation(model, writers, watch)
+            outcome = simulation.run()
+        write_json(folder / SUMMARY, summary(outcome, simulation.ledger.start.kinetic, points))
+        write_json(folder / PROVENANCE, made | {"ended": now()})
+        result = Run(folder)
+        result._temporary = temporary
+        if figures:
+            result.draw()
+        return result
+
+
+@contextlib.contextmanager
+def _disk_faults(folder: Path) -> Iterator[None]:
+    """Turn a full or vanished disk into a message."""
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"run folder {folder}: cannot be written ({error.strerror or error}); what is there stays") from error

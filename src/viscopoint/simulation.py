@@ -1,0 +1,96 @@
+"""Drives any method through time: exact snapshot times, ledger, guards, outputs."""
+
+import math
+import time as clock
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from viscopoint.guards import Stopped, check_row, check_step
+from viscopoint.ledger import Ledger, Row
+from viscopoint.model import Model
+from viscopoint.output import Writer
+
+Watch = Callable[[float, Row], None]
+SAME_TIME = 1e-9  # relative: two instants of a case that differ by less are one
+
+
+class Outcome(NamedTuple):
+    """How a run ended."""
+
+    status: str  # "complete", "stopped" or "interrupted"
+    reason: str  # why, if it is not complete
+    rows: list[Row]  # at the snapshots
+    steps: int
+    wall_time: float  # s, of the steps and the ledger
+    energy_error: float  # greatest share of the initial energy that was ever missing
+    momentum_error: float  # greatest difference ever of momentum gained and impulse received, N ms
+
+
+class Simulation:
+    """A model on its way from the start of its case to the end."""
+
+    def __init__(self, model: Model, writers: Sequence[Writer] = (), watch: Watch | None = None) -> None:
+        self.model, self.writers, self.watch = model, writers, watch
+        self.ledger = Ledger(model.method, model.body.surface)
+        self.time, self.step, self.busy = 0.0, 0, 0.0
+        self.rows: list[Row] = []
+        self.errors = (0.0, 0.0)  # of energy and momentum
+        self.first_step = model.method.stable_step()
+
+    def run(self) -> Outcome:
+        """Run to the end of the case; a guard or Ctrl-C ends it earlier, and everything up to then is kept."""
+        status, reason = "complete", ""
+        try:
+            self._snapshot(self._record(0.0))
+            for instant in self._instants():
+                self._snapshot(self._advance_to(instant))
+        except Stopped as error:
+            status, reason = "stopped", str(error)
+        except KeyboardInterrupt:
+            status, reason = "interrupted", f"interrupted after t = {self.ledger.before.time * 1e3:.4g} us"
+        return Outcome(status, reason, self.rows, self.step, self.busy, *self.errors)
+
+    def _instants(self) -> list[float]:
+        """Return the times of all snapshots after the start."""
+        time = self.model.case.time
+        instants: list[float] = []
+        for instant in sorted((*time.snapshots, time.end)):
+            if not instants or instant > instants[-1] * (1 + SAME_TIME):
+                instants.append(instant)
+        return instants
+
+    def _advance_to(self, instant: float) -> Row:
+        """Step to an instant exactly, in steps of equal length as far as the stable step allows."""
+        method, case = self.model.method, self.model.case
+        row = self.ledger.before
+        while self.time < instant:
+            began = clock.perf_counter()
+            stable = method.stable_step()
+            check_step(self.time, stable, self.first_step, case.guards)
+            left = math.ceil((instant - self.time) / stable * (1 - SAME_TIME))
+            dt = (instant - self.time) / max(left, 1)
+            method.advance(dt)
+            self.time = instant if left <= 1 else self.time + dt
+            self.step += 1
+            if left <= 1 or self.time - row.time >= case.output.history_interval:
+                row = self._record(dt)
+            self.busy += clock.perf_counter() - began
+        return row
+
+    def _record(self, dt: float) -> Row:
+        """Measure, hand the row to all who want it, and let the guards look at it."""
+        row = self.ledger.row(self.time, self.step, dt)
+        for writer in self.writers:
+            writer.row(row)
+        if self.watch:
+            self.watch(self.time / self.model.case.time.end, row)
+        energy = self.ledger.start.kinetic + self.ledger.start.stored
+        check_row(row, energy, self.model.case.guards)
+        self.errors = (max(self.errors[0], abs(row.numerical) / energy), max(self.errors[1], row.momentum_error))
+        return row
+
+    def _snapshot(self, row: Row) -> None:
+        fields = self.model.method.snapshot()
+        for writer in self.writers:
+            writer.snapshot(row.time, fields)
+        self.rows.append(row)

@@ -1,11 +1,10 @@
 """The Taylor impact test of viscoelastic solids, by the material point method.
 
-    import viscopoint as vp
-
-    case = vp.Case.load("paper").with_(material={"decay": "65 1/ms"})
-    run = vp.run(case)
-    run.history.plot("time", "velocity")
-    run.snapshot("20 us")["stress"]
+>>> import viscopoint as vp
+>>> case = vp.Case.load("paper").with_(material={"decay": "65 1/ms"})
+>>> run = vp.run(case)
+>>> run.history["velocity"]
+>>> run.snapshot("20 us")["stress"]
 """
 
 import importlib

@@ -3,10 +3,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from viscopoint.arrays import Array, Indices
 
 
 class Surface(NamedTuple):
@@ -31,7 +29,7 @@ def rod_lattice(radius: float, length: float, spacing: float) -> Body:
     """Fill an upright rod, its foot at z = 0, with the paper's lattice.
 
     Points stand at half spacings from the axis and from the foot, wherever that is inside the rod: 21,172 = 316 x 67
-    for the paper's 3.8 mm, 25.4 mm and 0.38 mm. All lengths in mm.
+    for the paper's 3.8 mm, 25.4 mm and 0.38 mm. All lengths in mm; there must be room for two layers.
     """
     half = int(radius / spacing) + 1
     places = (np.arange(-half, half) + 0.5) * spacing
@@ -40,16 +38,15 @@ def rod_lattice(radius: float, length: float, spacing: float) -> Body:
     x, y = x[inside], y[inside]
     layers = int(length / spacing + 0.5 + 1e-9)
     z = (np.arange(layers) + 0.5) * spacing
-    position = np.column_stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, len(x))])
+    position = np.stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, len(x))], axis=1, dtype=np.float64)
     index = np.arange(len(position)).reshape(layers, len(x))
     start = np.hypot(x, y)
     rim = start > radius - spacing
-    next_in = 1 if layers > 1 else 0
     surface = Surface(
         ring=index[:, rim],
         swell=radius / start[rim],
-        tail=np.column_stack([index[-1], index[-1 - next_in]]),
-        foot=np.column_stack([index[0], index[next_in]]),
+        tail=np.column_stack([index[-1], index[-2]]),
+        foot=np.column_stack([index[0], index[1]]),
         reach=0.5,
     )
     return Body(position, np.full(len(position), spacing**3), surface)

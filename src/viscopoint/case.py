@@ -4,12 +4,11 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Union
+from typing import Annotated, Any, Self, Union
 
 import tomli_w
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
-from typing_extensions import Self
 
 import viscopoint.laws  # noqa: F401  (its modules declare the materials)
 from viscopoint.errors import CaseError, Fault, InputError, nearest
@@ -35,7 +34,7 @@ AnyMaterial = Annotated[Union[tuple(dict.fromkeys(_materials()))], Field(discrim
 class Case(Table):
     """A rod, its impact, its material, the method and what to keep."""
 
-    title: str = Field("", max_length=200)
+    title: str = Field(default="", max_length=200)
     rod: Rod
     impact: Impact
     material: AnyMaterial  # pyright: ignore[reportInvalidTypeForm]  (the laws found in the package)

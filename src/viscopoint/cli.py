@@ -20,7 +20,9 @@ app = typer.Typer(
     epilog="Exit codes: 0 done, 1 stopped by a guard, 2 bad input, 3 results could not be written, 130 interrupted.",
 )
 
-CaseName = Annotated[str, typer.Argument(metavar="CASE", help="A packaged case (see `viscopoint cases`) or a TOML file.")]
+CaseName = Annotated[
+    str, typer.Argument(metavar="CASE", help="A packaged case (see `viscopoint cases`) or a TOML file.")
+]
 RunFolder = Annotated[Path, typer.Argument(metavar="RUN", help="A run folder.")]
 Set = Annotated[
     list[str] | None,
@@ -141,10 +143,10 @@ def _use_threads(threads: int | None) -> None:
     from viscopoint.errors import InputError
 
     if threads is not None:
-        most = numba.config.NUMBA_NUM_THREADS  # pyright: ignore[reportAttributeAccessIssue]
-        if threads > most:
-            raise InputError(f"--threads {threads}: this machine has {most}")
-        numba.set_num_threads(threads)
+        try:
+            numba.set_num_threads(threads)
+        except ValueError:
+            raise InputError(f"--threads {threads}: this machine has {numba.get_num_threads()}") from None
 
 
 @contextlib.contextmanager

@@ -70,7 +70,7 @@ def valid_values(table: type[BaseModel], given: Mapping[str, Any], prefix: str =
                 values |= valid_values(inner, value, f"{prefix}{name}.")
         if not tables:
             with contextlib.suppress(ValidationError):
-                kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+                kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
                 values[prefix + name] = TypeAdapter(kind, config=_CONFIG).validate_python(value)
     return values
 

@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscopoint.body import Array, Indices, Surface
+from viscopoint.arrays import Array, Indices
+from viscopoint.body import Surface
 
 
 class Gauges(NamedTuple):
@@ -39,7 +40,9 @@ def measure(surface: Surface, position: Array) -> Gauges:
     _, radius = profile(surface, position)
     z = position[:, 2]
     return Gauges(
-        length=float(np.nanmax(_ends(surface.tail, z, surface.reach)) - np.nanmin(_ends(surface.foot, z, surface.reach))),
+        length=float(
+            np.nanmax(_ends(surface.tail, z, surface.reach)) - np.nanmin(_ends(surface.foot, z, surface.reach))
+        ),
         foot_radius=float(radius[0]),
         greatest_radius=float(np.nanmax(radius)),
         lowest_point=float(np.nanmin(z)),

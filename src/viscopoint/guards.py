@@ -7,7 +7,7 @@ from viscopoint.inputs import Guards
 from viscopoint.ledger import Row
 
 
-class Stopped(ViscopointError):
+class GuardError(ViscopointError):
     """A guard stopped the run; what was computed so far is kept."""
 
 
@@ -25,10 +25,10 @@ def check_row(row: Row, initial_energy: float, limits: Guards) -> None:
     if abs(share) > limits.energy_error:
         raise _stopped(
             row.time,
-            f"the energy ledger is off by {100 * share:+.1f} % of the initial kinetic energy "
+            f"the energy ledger misses {100 * share:+.1f} % of the initial kinetic energy "
             f"(guards.energy_error allows {100 * limits.energy_error:g} %)",
-            "dissipative transfers (method.pic_fraction)" if share > 0 else "a step too long for the method: energy grows; "
-            "take a smaller method.safety",
+            "the integration is becoming unstable or the transfers dissipate; take a smaller method.safety, the scheme "
+            "'musl', or a smaller method.pic_fraction",
         )
 
 
@@ -44,5 +44,5 @@ def check_step(time: float, step: float, first: float, limits: Guards) -> None:
         )
 
 
-def _stopped(time: float, what: str, cause: str) -> Stopped:
-    return Stopped(f"stopped at t = {time * 1e3:.4g} us: {what}. Likely cause: {cause}.")
+def _stopped(time: float, what: str, cause: str) -> GuardError:
+    return GuardError(f"stopped at t = {time * 1e3:.4g} us: {what}. Likely cause: {cause}.")

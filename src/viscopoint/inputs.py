@@ -36,7 +36,7 @@ class Impact(Table):
 
     speed: Speed
     gap: Gap = 0.0
-    friction: float = Field(0.0, ge=0, le=10)
+    friction: float = Field(default=0.0, ge=0, le=10)
 
 
 class Time(Table):
@@ -55,8 +55,8 @@ def snapshots_before_the_end(snapshots: tuple[float, ...], end: float) -> str | 
 class Guards(Table):
     """When to stop a run that has gone wrong."""
 
-    energy_error: float = Field(0.05, gt=0)  # numerical remainder over initial kinetic energy
-    smallest_step: float = Field(1e-3, gt=0, lt=1)  # stable step over the first one
+    energy_error: float = Field(default=0.05, gt=0)  # numerical remainder over initial kinetic energy
+    smallest_step: float = Field(default=1e-3, gt=0, lt=1)  # stable step over the first one
 
 
 class Output(Table):

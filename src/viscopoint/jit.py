@@ -5,8 +5,8 @@ A few decorators cover every compiled function of the package:
 - ``kernel`` (and ``serial_kernel``): a loop over points or nodes, compiled once per combination of argument types and
   kept on disk; NamedTuples go in as arguments, where Numba can hand them to threads;
 - ``inline``: a small scalar function that kernels call, and that plain Python can call too;
-- ``generic``: an operation (``update_stress``, ``stencil``, ...) with one implementation per NamedTuple class, chosen by
-  type at compile time, so that a law or a shape function is added by writing one file.
+- ``generic``: an operation (``update_stress``, ``stencil``, ...) with one implementation per NamedTuple class, chosen
+  by type at compile time, so that a law or a shape function is added by writing one file.
 """
 
 import contextlib
@@ -19,14 +19,15 @@ from typing import Any, TypeVar
 
 import numba
 import platformdirs
+from numba.core import config
 from numba.extending import overload, register_jitable
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 # Fused multiply-add is the one liberty taken with IEEE arithmetic: sums keep their order, so that results do not
 # depend on the thread count. Division by zero gives inf or nan, which the guards report, not a branch at each "/".
-OPTIONS: dict[str, Any] = {"fastmath": {"contract"}, "error_model": "numpy"}
-INLINED = {**OPTIONS, "forceinline": True}  # tensors stay in registers
+OPTIONS: Any = {"fastmath": {"contract"}, "error_model": "numpy"}
+INLINED: Any = {**OPTIONS, "forceinline": True}  # tensors stay in registers
 
 
 @functools.cache
@@ -52,12 +53,13 @@ def cache_folder() -> Path:
 @contextlib.contextmanager
 def _own_cache() -> Iterator[None]:
     """Point Numba at our cache folder, only while one of our kernels is being declared."""
-    previous = numba.config.CACHE_DIR  # pyright: ignore[reportAttributeAccessIssue]
-    numba.config.CACHE_DIR = str(cache_folder())  # pyright: ignore[reportAttributeAccessIssue]
+    settings: Any = config
+    previous = settings.CACHE_DIR
+    settings.CACHE_DIR = str(cache_folder())
     try:
         yield
     finally:
-        numba.config.CACHE_DIR = previous  # pyright: ignore[reportAttributeAccessIssue]
+        settings.CACHE_DIR = previous
 
 
 def kernel(function: F) -> F:
@@ -74,7 +76,7 @@ def serial_kernel(function: F) -> F:
     return _compiled(function, parallel=False)
 
 
-def _compiled(function: F, parallel: bool) -> F:
+def _compiled(function: Any, parallel: bool) -> Any:
     with _own_cache():
         return numba.njit(parallel=parallel, nogil=True, cache=True, **OPTIONS)(function)
 

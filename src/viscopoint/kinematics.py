@@ -7,9 +7,7 @@ from viscopoint.tensors import Matrix, Sym
 @inline
 def determinant(a: Matrix) -> float:
     """Return det a."""
-    return (
-        a.xx * (a.yy * a.zz - a.yz * a.zy) - a.xy * (a.yx * a.zz - a.yz * a.zx) + a.xz * (a.yx * a.zy - a.yy * a.zx)
-    )
+    return a.xx * (a.yy * a.zz - a.yz * a.zy) - a.xy * (a.yx * a.zz - a.yz * a.zx) + a.xz * (a.yx * a.zy - a.yy * a.zx)
 
 
 @inline

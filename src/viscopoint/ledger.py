@@ -1,10 +1,18 @@
 """Energy, momentum and shape, measured on any method: one row of the history."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple, get_type_hints
 
 from viscopoint.body import Surface
 from viscopoint.gauges import measure
 from viscopoint.method import Method, Totals
+
+Time = Annotated[float, "ms"]
+Length = Annotated[float, "mm"]
+Speed = Annotated[float, "m/s"]
+Force = Annotated[float, "N"]
+Impulse = Annotated[float, "N ms"]
+Energy = Annotated[float, "mJ"]
+Count = Annotated[int, "1"]
 
 
 class Row(NamedTuple):
@@ -14,37 +22,31 @@ class Row(NamedTuple):
     and so what transfers and time integration lost (or, below zero, gained).
     """
 
-    time: float
-    step: int
-    time_step: float  # that the method took last
-    length: float
-    foot_radius: float
-    greatest_radius: float
-    lowest_point: float
-    highest_point: float
-    widest_point: float
-    velocity: float  # of the centre of mass, along z
-    momentum: float  # along z
-    wall_force: float  # along z, mean since the row before
-    wall_impulse: float  # along z, since the start
-    momentum_error: float  # greatest component of momentum gained less impulse received
-    kinetic: float
-    stored: float
-    dissipated: float  # by the law
-    viscous: float  # by the bulk viscosity
-    contact: float  # taken by the wall's normal impulse
-    friction: float  # taken by the wall's tangential impulse
-    numerical: float  # the remainder
-    points_lost: int
+    time: Time
+    step: Count
+    time_step: Time  # that the method took last
+    length: Length
+    foot_radius: Length
+    greatest_radius: Length
+    lowest_point: Length
+    highest_point: Length
+    widest_point: Length
+    velocity: Speed  # of the centre of mass, along z
+    momentum: Impulse  # along z
+    wall_force: Force  # along z, mean since the row before
+    wall_impulse: Impulse  # along z, since the start
+    momentum_error: Impulse  # greatest component of momentum gained less impulse received
+    kinetic: Energy
+    stored: Energy
+    dissipated: Energy  # by the law
+    viscous: Energy  # by the bulk viscosity
+    contact: Energy  # taken by the wall's normal impulse
+    friction: Energy  # taken by the wall's tangential impulse
+    numerical: Energy  # the remainder
+    points_lost: Count
 
 
-UNITS = Row(
-    time="ms", step="1", time_step="ms",
-    length="mm", foot_radius="mm", greatest_radius="mm", lowest_point="mm", highest_point="mm", widest_point="mm",
-    velocity="m/s", momentum="N ms", wall_force="N", wall_impulse="N ms", momentum_error="N ms",
-    kinetic="mJ", stored="mJ", dissipated="mJ", viscous="mJ", contact="mJ", friction="mJ", numerical="mJ",
-    points_lost="1",
-)._asdict()  # pyright: ignore[reportArgumentType]  # fmt: skip
+UNITS: dict[str, str] = {name: hint.__metadata__[0] for name, hint in get_type_hints(Row, include_extras=True).items()}
 
 
 class Ledger:

@@ -1,17 +1,14 @@
 """The face that the driver, the ledger and the outputs see of any method, MPM or FEM."""
 
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from viscopoint.arrays import Array, Rows
 
 
 class Field(NamedTuple):
     """Named values for output, one row per point."""
 
-    values: NDArray[Any]
+    values: Rows
     unit: str
 
 
@@ -57,10 +54,10 @@ class Method(Protocol):
         """Return all fields worth looking at."""
         ...
 
-    def state(self) -> dict[str, NDArray[Any]]:
+    def state(self) -> dict[str, Rows]:
         """Return exactly what ``restore`` needs to go on as if nothing had happened."""
         ...
 
-    def restore(self, state: dict[str, NDArray[Any]]) -> None:
+    def restore(self, state: dict[str, Rows]) -> None:
         """Take over a state."""
         ...

@@ -4,7 +4,6 @@ import functools
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,7 +44,6 @@ class Run:
     def __init__(self, folder: str | Path) -> None:
         """Open a run folder; raise ``InputError`` if it is none or from another version."""
         self.folder = Path(folder)
-        self._temporary: TemporaryDirectory[str] | None = None
         self.provenance = self._json(PROVENANCE)
         if self.provenance.get("format") != FORMAT:
             found = self.provenance.get("format")
@@ -57,7 +55,7 @@ class Run:
 
     @property
     def status(self) -> str:
-        """ "complete", "stopped" (by a guard), "interrupted" or "running"."""
+        """How the run ended: "complete", "stopped" (by a guard), "interrupted"; or "running"."""
         return str(self.summary["status"])
 
     @functools.cached_property

@@ -1,9 +1,11 @@
 """Runs a case and leaves a run folder."""
 
 import contextlib
+import shutil
+import weakref
 from collections.abc import Iterator
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 
 from viscopoint.case import Case
 from viscopoint.errors import OutputError
@@ -34,8 +36,7 @@ def run(
         InputError: the folder is already there or cannot be made.
         OutputError: the results could not be written.
     """
-    temporary = TemporaryDirectory(prefix="viscopoint-") if out is None else None
-    folder = Path(out) if temporary is None else Path(temporary.name)
+    folder = Path(mkdtemp(prefix="viscopoint-") if out is None else out)
     create(folder, force)
     with _disk_faults(folder):
         made = provenance()
@@ -51,7 +52,8 @@ def run(
         write_json(folder / SUMMARY, summary(outcome, simulation.ledger.start.kinetic, points))
         write_json(folder / PROVENANCE, made | {"ended": now()})
         result = Run(folder)
-        result._temporary = temporary
+        if out is None:
+            weakref.finalize(result, shutil.rmtree, folder, ignore_errors=True)
         if figures:
             result.draw()
         return result
@@ -63,4 +65,5 @@ def _disk_faults(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise OutputError(f"run folder {folder}: cannot be written ({error.strerror or error}); what is there stays") from error
+        wrong = error.strerror or error
+        raise OutputError(f"run folder {folder}: cannot be written ({wrong}); what is there stays") from error

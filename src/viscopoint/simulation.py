@@ -5,7 +5,7 @@ import time as clock
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from viscopoint.guards import Stopped, check_row, check_step
+from viscopoint.guards import GuardError, check_row, check_step
 from viscopoint.ledger import Ledger, Row
 from viscopoint.model import Model
 from viscopoint.output import Writer
@@ -44,7 +44,7 @@ class Simulation:
             self._snapshot(self._record(0.0))
             for instant in self._instants():
                 self._snapshot(self._advance_to(instant))
-        except Stopped as error:
+        except GuardError as error:
             status, reason = "stopped", str(error)
         except KeyboardInterrupt:
             status, reason = "interrupted", f"interrupted after t = {self.ledger.before.time * 1e3:.4g} us"

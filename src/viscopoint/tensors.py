@@ -161,7 +161,11 @@ class _SymType(types.Type):
 
 
 _SYM = _SymType()
-typeof_impl.register(Sym)(lambda value, context: _SYM)
+
+
+@typeof_impl.register(Sym)
+def _type_of(value: Sym, context: Any) -> Any:
+    return _SYM
 
 
 @register_model(_SymType)
@@ -176,7 +180,10 @@ for _name in COMPONENTS:
 
 @type_callable(Sym)
 def _type_sym(context: Any) -> Any:
-    return lambda xx, yy, zz, xy, yz, zx: _SYM
+    def typed(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, zx: Any) -> Any:
+        return _SYM
+
+    return typed
 
 
 @lower_builtin(Sym, *[types.Any] * len(COMPONENTS))

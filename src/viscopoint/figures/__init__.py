@@ -5,7 +5,7 @@ A figure is a function of a ``Run`` that returns a Matplotlib figure, offered un
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from viscopoint.results import Run
 
 FIGURES: dict[str, "Callable[[Run], Figure]"] = {}
-STYLE = {
+STYLE: Any = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,

@@ -25,7 +25,7 @@ def energies(run: Run) -> Figure:
     initial = float(history["kinetic"].iloc[0])
     for column, label in TERMS.items():
         share = 100.0 * history[column] / initial
-        if share.abs().max() > 0.0:
+        if bool((share != 0.0).any()):
             style = "--" if column == "numerical" else "-"
             axis.plot(history["time"] * 1e3, share, style, label=label)
     axis.axhline(0.0, color="0.3", linewidth=0.8)

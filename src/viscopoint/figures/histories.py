@@ -20,8 +20,8 @@ def histories(run: Run) -> Figure:
     axes = figure.subplots(2, 2, sharex=True)
     time = run.history["time"] * 1e3
     for axis, (columns, label) in zip(axes.flat, PANELS, strict=True):
-        for column in columns:
-            axis.plot(time, run.history[column], label=column.replace("_", " "))
+        for column, style in zip(columns, ("-", "--"), strict=False):
+            axis.plot(time, run.history[column], style, label=column.replace("_", " "))
         axis.set_ylabel(label)
         if len(columns) > 1:
             axis.legend()

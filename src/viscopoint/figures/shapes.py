@@ -2,8 +2,9 @@
 
 from typing import Any
 
-import matplotlib
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
@@ -12,6 +13,7 @@ from viscopoint.results import Run, Snapshot
 
 TILT = np.radians(15.0)  # the camera looks down on the rod by this angle
 MOST = 8  # snapshots side by side
+COVER = 1.5  # width of a point's disc in spacings
 
 
 @offer("shapes")
@@ -21,7 +23,7 @@ def shapes(run: Run) -> Figure:
     snapshots = [run.snapshot(int(number)) for number in numbers]
     speeds = [snapshot["velocity"][snapshot["lost"] == 0, 2] for snapshot in snapshots]
     colours = Normalize(min(v.min(initial=0.0) for v in speeds), max(v.max(initial=0.0) for v in speeds))
-    reach = 1.05 * max(float(np.abs(snapshot["position"][:, :2]).max()) for snapshot in snapshots)
+    reach = 1.1 * max(float(np.abs(snapshot["position"][:, :2]).max()) for snapshot in snapshots)
     top = max(float(snapshot["position"][:, 2].max()) for snapshot in snapshots) + np.tan(TILT) * reach
     low = -np.sin(TILT) * reach
 
@@ -37,7 +39,7 @@ def shapes(run: Run) -> Figure:
             axis.grid(False)
     axes[0, 0].set_ylabel("from outside, height (mm)")
     axes[1, 0].set_ylabel("cut open, z (mm)")
-    scale = matplotlib.cm.ScalarMappable(colours, COLOURS)
+    scale = ScalarMappable(colours, COLOURS)
     figure.colorbar(scale, ax=axes, label="axial velocity (m/s)", shrink=0.6)
     return figure
 
@@ -61,12 +63,14 @@ def _section(axis: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> Non
 def _paint(
     axis: Any, run: Run, snapshot: Snapshot, shown: Any, across: Any, up: Any, depth: Any, colours: Normalize
 ) -> None:
-    """Draw points as dots about as wide as their spacing, the far ones first."""
+    """Draw points as discs wider than their spacing, the far ones first, so that they cover what is behind."""
     order = np.argsort(-depth)
     order = order[snapshot["lost"][shown][order] == 0]
-    speed = snapshot["velocity"][shown, 2]
-    spacing = float(np.cbrt(run.body.volume[0]))
-    axis.scatter(
-        across[order], up[order], c=speed[order], s=(9.0 * spacing / 0.38) ** 2 / 9.0,
-        cmap=COLOURS, norm=colours, linewidths=0, rasterized=True,
+    width = np.full(len(order), COVER * np.cbrt(run.body.volume[0]))
+    axis.add_collection(
+        EllipseCollection(
+            width, width, np.zeros_like(width), units="xy",
+            offsets=np.column_stack([across[order], up[order]]), offset_transform=axis.transData,
+            array=snapshot["velocity"][shown, 2][order], cmap=COLOURS, norm=colours, linewidths=0, rasterized=True,
+        )
     )  # fmt: skip

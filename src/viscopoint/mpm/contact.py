@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from viscopoint.arrays import Array
 from viscopoint.jit import serial_kernel
 from viscopoint.mpm.grid import Grid, window
-from viscopoint.mpm.points import Array
 from viscopoint.wall import RigidWall, Symmetry, held
 
 TALLY = 5  # impulse x, y, z [N ms]; work of the normal and of the tangential impulse [mJ]

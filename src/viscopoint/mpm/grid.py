@@ -11,8 +11,9 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
+from viscopoint.arrays import Array
 from viscopoint.jit import kernel
-from viscopoint.mpm.points import Array, Points
+from viscopoint.mpm.points import Points
 
 SLAB = 4  # layers of cells; also the most nodes that a shape function may span along z
 CHUNKS = 64  # pieces of the point list that are sorted independently
@@ -110,6 +111,8 @@ def find_slabs(
     total = len(position)
     outside = count.shape[1] - 1
     for chunk in prange(CHUNKS):
+        i0, j0, k0 = least[chunk]
+        i1, j1, k1 = most[chunk]
         for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
             x, y, z = position[p, 0], position[p, 1], position[p, 2]
             mine = outside
@@ -118,12 +121,14 @@ def find_slabs(
                 i = int((x - grid.x0) * grid.per_cell)
                 j = int((y - grid.y0) * grid.per_cell)
                 k = int((z - grid.z0) * grid.per_cell)
-                least[chunk, 0], most[chunk, 0] = min(least[chunk, 0], i), max(most[chunk, 0], i)
-                least[chunk, 1], most[chunk, 1] = min(least[chunk, 1], j), max(most[chunk, 1], j)
-                least[chunk, 2], most[chunk, 2] = min(least[chunk, 2], k), max(most[chunk, 2], k)
+                i0, i1 = min(i0, i), max(i1, i)
+                j0, j1 = min(j0, j), max(j1, j)
+                k0, k1 = min(k0, k), max(k1, k)
                 mine = k // SLAB
             slab[p] = mine
             count[chunk, mine] += 1
+        least[chunk, 0], least[chunk, 1], least[chunk, 2] = i0, j0, k0
+        most[chunk, 0], most[chunk, 1], most[chunk, 2] = i1, j1, k1
 
 
 @kernel

@@ -30,7 +30,7 @@ def _one_of(table: dict[str, Any]) -> Any:
             raise PydanticCustomError("word", "is not known; {allowed}", {"allowed": nearest(name, table)})
         return name
 
-    return Annotated[str, AfterValidator(known), Field(json_schema_extra={"enum": sorted(table)})]
+    return Annotated[str, AfterValidator(known), Field(json_schema_extra={"enum": [*sorted(table)]})]
 
 
 Range = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
@@ -47,8 +47,8 @@ class BoxInput(Table):
 class BulkViscosityInput(Table):
     """q = rho l |d| (linear c + quadratic l |d|) in compression."""
 
-    linear: float = Field(0.06, ge=0, le=1)
-    quadratic: float = Field(1.5, ge=0, le=10)
+    linear: float = Field(default=0.06, ge=0, le=1)
+    quadratic: float = Field(default=1.5, ge=0, le=10)
 
 
 class MPMInput(Table):
@@ -59,8 +59,8 @@ class MPMInput(Table):
     spacing: Length
     shape: _one_of(SHAPES) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
     scheme: _one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
-    pic_fraction: float = Field(0.0, ge=0, le=1)
-    safety: float = Field(0.2, gt=0, le=1)
+    pic_fraction: float = Field(default=0.0, ge=0, le=1)
+    safety: float = Field(default=0.2, gt=0, le=1)
     bulk_viscosity: BulkViscosityInput = BulkViscosityInput()
     box: BoxInput | None = None
 
@@ -109,6 +109,11 @@ def cell_within_radius(cell: float, radius: float) -> str | None:
 @rule("method.cell", "rod.length")
 def cell_within_length(cell: float, length: float) -> str | None:
     return f"{cell:g} mm is larger than the rod: rod.length is {length:g} mm" if cell > length else None
+
+
+@rule("method.spacing", "rod.length")
+def two_layers_in_rod(spacing: float, length: float) -> str | None:
+    return f"{spacing:g} mm leaves no two layers in rod.length, {length:g} mm" if 1.5 * spacing > length else None
 
 
 @rule("method.spacing", "rod.radius", "rod.length")

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from viscopoint.arrays import Array, Rows
 from viscopoint.body import Body
 from viscopoint.laws import Law, step_factors
-from viscopoint.method import Array, Field, Totals
+from viscopoint.method import Field, Totals
 from viscopoint.mpm.contact import TALLY, touch
 from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, clear, lattice
 from viscopoint.mpm.points import Points, at_rest
@@ -87,9 +88,7 @@ class MaterialPointMethod:
     def update_stress(self, grid: Grid, dt: float) -> None:
         """Strain the points by the nodes' velocity and let the law answer."""
         factors = step_factors(self.law, dt)
-        update_points(
-            self.points, grid, self.shape, self.law, factors, self.blank, self.sound, self.viscosity, dt
-        )
+        update_points(self.points, grid, self.shape, self.law, factors, self.blank, self.sound, self.viscosity, dt)
 
     # --- what the driver and the outputs ask ---
 
@@ -143,11 +142,11 @@ class MaterialPointMethod:
             column += size
         return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
 
-    def state(self) -> dict[str, NDArray[Any]]:
+    def state(self) -> dict[str, Rows]:
         named = {name: np.array(values) for name, values in self.points._asdict().items()}
         return {**named, "critical": self.grid.critical.copy(), "tally": self.tally.copy()}
 
-    def restore(self, state: dict[str, NDArray[Any]]) -> None:
+    def restore(self, state: dict[str, Rows]) -> None:
         self.points = Points(**{name: np.array(state[name]) for name in Points._fields})
         self.grid.critical[:] = state["critical"]
         self.tally = np.array(state["tally"])

@@ -8,11 +8,12 @@ from numba import prange
 from numba.extending import overload
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
+from viscopoint.arrays import Array
 from viscopoint.jit import kernel
 from viscopoint.kinematics import increments
 from viscopoint.laws import History, stored_energy, update_stress
 from viscopoint.mpm.grid import CHUNKS, Grid
-from viscopoint.mpm.points import Array, Points
+from viscopoint.mpm.points import Points
 from viscopoint.mpm.transfers import around, gradient
 from viscopoint.tensors import read, trace, write
 from viscopoint.viscosity import BulkViscosity, critical_step, viscous_speed
@@ -26,9 +27,14 @@ def load(row: Array, blank: History) -> History:
 @overload(load, strict=False)
 def _load(row: Any, blank: Any) -> Any:
     count = len(blank)
-    if count == 0:
-        return lambda row, blank: ()
-    return lambda row, blank: to_fixed_tuple(row, count)
+
+    def some(row: Any, blank: Any) -> Any:
+        return to_fixed_tuple(row, count)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+
+    def none(row: Any, blank: Any) -> Any:
+        return ()
+
+    return some if count else none
 
 
 def store(row: Array, values: History) -> None:
@@ -42,7 +48,10 @@ def _store(row: Any, values: Any) -> Any:
         for k in range(len(values)):
             row[k] = values[k]
 
-    return some if len(values) else lambda row, values: None
+    def none(row: Any, values: Any) -> None:
+        pass
+
+    return some if len(values) else none
 
 
 @kernel
@@ -95,8 +104,7 @@ def update_points(
 def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
     """Sum over each chunk of points: kinetic, stored, law-dissipated, viscous energy; mass; momentum; m x_p.
 
-    Args:
-        sums: ``[CHUNKS, 11]``, in mJ, g, g mm/ms, g mm.
+    They go into ``sums[chunk, 11]``, in mJ, g, g mm/ms and g mm.
     """
     total = len(points.mass)
     for chunk in prange(CHUNKS):

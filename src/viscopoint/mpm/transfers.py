@@ -5,9 +5,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import prange
 
+from viscopoint.arrays import Array
 from viscopoint.jit import inline, kernel
 from viscopoint.mpm.grid import Grid
-from viscopoint.mpm.points import Array, Points
+from viscopoint.mpm.points import Points
 from viscopoint.mpm.shapes import Weights, stencil
 from viscopoint.tensors import Matrix, Sym, read, spherical
 
@@ -76,20 +77,23 @@ def spread_with_force(grid: Grid, at: Support, x: float, y: float, z: float, m: 
 
 
 @inline
-def interpolated(field: Array, grid: Grid, at: Support) -> tuple[float, float, float]:
-    """Return Σ N field at a point."""
-    x, y, z, unused = 0.0, 0.0, 0.0, 0.0
+def motion(grid: Grid, at: Support) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Return Σ N v_i and Σ N Δv_i at a point, in one visit to each node."""
+    velocity, change = grid.velocity, grid.change
+    vx, vy, vz, ax, ay, az = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for c in range(len(at.wz)):
         for b in range(len(at.wy)):
             row = at.first + (np.uint64(c) * grid.ny + np.uint64(b)) * grid.nx
             for a in range(len(at.wx)):
                 node = row + np.uint64(a)
                 w = at.wx[a] * at.wy[b] * at.wz[c]
-                x += w * field[node, 0]
-                y += w * field[node, 1]
-                z += w * field[node, 2]
-                unused += w * field[node, 3]  # keeps the row one vector
-    return x, y, z
+                vx += w * velocity[node, 0]
+                vy += w * velocity[node, 1]
+                vz += w * velocity[node, 2]
+                ax += w * change[node, 0]
+                ay += w * change[node, 1]
+                az += w * change[node, 2]
+    return (vx, vy, vz), (ax, ay, az)
 
 
 @inline
@@ -129,9 +133,9 @@ def scatter_momentum_and_force(points: Points, grid: Grid, shape: Any) -> None:
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
             for q in range(grid.start[slab], grid.start[slab + 1]):
-                p = grid.order[q]
+                p: int = grid.order[q]
                 at = around(points, p, grid, shape)
-                m = points.mass[p]
+                m: float = points.mass[p]
                 v = points.velocity[p]
                 pull = read(points.stress[p]) - spherical(points.viscous_pressure[p])
                 volume = points.jacobian[p] * points.volume[p]
@@ -146,8 +150,8 @@ def scatter_momentum(points: Points, grid: Grid, shape: Any) -> None:
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
             for q in range(grid.start[slab], grid.start[slab + 1]):
-                p = grid.order[q]
-                m = points.mass[p]
+                p: int = grid.order[q]
+                m: float = points.mass[p]
                 v = points.velocity[p]
                 spread(grid.momentum, grid, around(points, p, grid, shape), m * v[0], m * v[1], m * v[2], m)
 
@@ -158,10 +162,8 @@ def gather_velocity(points: Points, grid: Grid, shape: Any, pic: float) -> None:
     velocity, drift = points.velocity, points.drift
     for slab in prange(len(grid.start) - 2):
         for q in range(grid.start[slab], grid.start[slab + 1]):
-            p = grid.order[q]
-            at = around(points, p, grid, shape)
-            moves = interpolated(grid.velocity, grid, at)
-            gains = interpolated(grid.change, grid, at)
+            p: int = grid.order[q]
+            moves, gains = motion(grid, around(points, p, grid, shape))
             for a in range(3):
                 drift[p, a] = moves[a]
                 velocity[p, a] = (1.0 - pic) * (velocity[p, a] + gains[a]) + pic * moves[a]

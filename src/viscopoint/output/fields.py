@@ -1,7 +1,7 @@
 """``fields.vtkhdf``: all fields at each snapshot, one file that ParaView and PyVista open as an animation.
 
-Temporal VTKHDF 2.3 of type UnstructuredGrid, the points as vertices. The cells are stored once; positions and fields are
-appended, and a snapshot counts (``NSteps``) only when all of it is there.
+Temporal VTKHDF 2.3 of type UnstructuredGrid, the points as vertices. The cells are stored once; positions and fields
+are appended, and a snapshot counts (``NSteps``) only when all of it is there.
 """
 
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ class Fields:
         pass
 
     def snapshot(self, time: float, fields: Mapping[str, Field]) -> None:
-        with h5py.File(self.path, "a") as file:
+        with _opened(self.path, "a") as file:
             if "VTKHDF" not in file:
                 _begin(file, fields)
             _append(file["VTKHDF"], time, fields)
@@ -41,7 +41,7 @@ class Fields:
         pass
 
 
-def _begin(file: h5py.File, fields: Mapping[str, Field]) -> None:
+def _begin(file: Any, fields: Mapping[str, Field]) -> None:
     """Create the file's groups, the cells and what never changes."""
     root = file.create_group("VTKHDF")
     root.attrs["Version"] = np.array([2, 3])
@@ -70,7 +70,7 @@ def _begin(file: h5py.File, fields: Mapping[str, Field]) -> None:
     offsets.create_dataset(INITIAL, (0,), int, maxshape=(None,))
 
 
-def _append(root: h5py.Group, time: float, fields: Mapping[str, Field]) -> None:
+def _append(root: Any, time: float, fields: Mapping[str, Field]) -> None:
     """Add a snapshot: first its data, then where it lies, at last that it is there."""
     steps, data = root["Steps"], root["PointData"]
     before = root["Points"].shape[0]
@@ -86,7 +86,7 @@ def _append(root: h5py.Group, time: float, fields: Mapping[str, Field]) -> None:
     steps.attrs["NSteps"] = count + 1
 
 
-def _growing(group: h5py.Group, name: str, field: Field) -> None:
+def _growing(group: Any, name: str, field: Field) -> None:
     """Create an empty dataset for a field's rows."""
     rest = field.values.shape[1:]
     dataset = group.create_dataset(
@@ -96,26 +96,31 @@ def _growing(group: h5py.Group, name: str, field: Field) -> None:
     dataset.attrs["unit"] = field.unit
 
 
-def _extend(dataset: h5py.Dataset, rows: NDArray[Any] | list[Any]) -> None:
+def _extend(dataset: Any, rows: NDArray[Any] | list[Any]) -> None:
     start = dataset.shape[0]
     dataset.resize(start + len(rows), axis=0)
     dataset[start:] = rows
 
 
+def _opened(path: Path, mode: Any) -> Any:
+    """Open the file; h5py's types say of no name in it whether it is a group or a dataset."""
+    return h5py.File(path, mode)
+
+
 def times(path: Path) -> NDArray[np.float64]:
     """Return the times of the snapshots in a file [ms]."""
-    with h5py.File(path, "r") as file:
+    with _opened(path, "r") as file:
         steps = file["VTKHDF/Steps"]
         return steps["Values"][: int(steps.attrs["NSteps"])]
 
 
 def read(path: Path, number: int) -> dict[str, Field]:
     """Return all fields of a snapshot, by its number."""
-    with h5py.File(path, "r") as file:
+    with _opened(path, "r") as file:
         root = file["VTKHDF"]
         points = int(root["NumberOfPoints"][0])
 
-        def rows(dataset: h5py.Dataset, offset: int) -> Field:
+        def rows(dataset: Any, offset: int) -> Field:
             return Field(dataset[offset : offset + points], str(dataset.attrs["unit"]))
 
         offsets = root["Steps/PointDataOffsets"]

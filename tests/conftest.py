@@ -1,0 +1,26 @@
+from pathlib import Path
+
+import pytest
+
+import viscopoint as vp
+
+SMALL = {
+    "method.cell": "1 mm",
+    "method.spacing": "0.7 mm",
+    "time.end": "2 us",
+    "time.snapshots": ["1 us"],
+}
+
+
+@pytest.fixture
+def quick() -> vp.Case:
+    """A small rod that hits the wall in a few steps: for tests of everything around the physics."""
+    return vp.Case.load("paper", SMALL)
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The run folder of the quick case."""
+    folder = tmp_path_factory.mktemp("runs") / "quick"
+    vp.run(vp.Case.load("paper", SMALL), folder)
+    return folder

@@ -1,0 +1,190 @@
+import json
+import tomllib
+
+import pytest
+
+import viscopoint as vp
+from viscopoint.case import merged
+
+
+def faults(changes: dict[str, object], name: str = "paper") -> dict[str, str]:
+    """Return the faults of a changed case by key."""
+    with pytest.raises(vp.CaseError) as caught:
+        vp.Case.load(name, changes)
+    return {fault.key: fault.message for fault in caught.value.faults}
+
+
+def test_paper_case_holds_the_paper_s_numbers():
+    case = vp.Case.load("paper")
+    assert (case.rod.radius, case.rod.length) == (3.8, 25.4)
+    assert (case.impact.speed, case.impact.gap, case.impact.friction) == (150.0, 0.01, 0.0)
+    law = case.material.build()
+    assert law == pytest.approx((1e-3, 550.0, 5.0, 135.0, 650.0))
+    assert (case.method.cell, case.method.spacing) == (0.5, 0.38)
+    assert case.time.snapshots == pytest.approx((0.005, 0.01, 0.02))
+
+
+@pytest.mark.parametrize(
+    ("name", "decay", "shear_long"),
+    [("paper", 650.0, 5.0), ("paper-65", 65.0, 5.0), ("paper-6.5", 6.5, 5.0), ("paper-elastic", 650.0, 140.0)],
+)
+def test_packaged_cases_differ_in_what_the_paper_varies(name: str, decay: float, shear_long: float):
+    case = vp.Case.load(name)
+    assert (case.material.decay, case.material.shear_long) == (decay, shear_long)
+    paper = vp.Case.load("paper")
+    assert case.rod == paper.rod
+    assert case.method == paper.method
+
+
+@pytest.mark.parametrize("name", sorted(vp.packaged()))
+def test_resolved_case_reads_back_as_itself(name: str):
+    case = vp.Case.load(name)
+    assert vp.Case.from_tables(tomllib.loads(case.to_toml())) == case
+
+
+def test_units_of_the_same_dimension_are_converted():
+    case = vp.Case.load("paper", {"rod.radius": "0.15 in", "impact.speed": "540 km/h", "material.bulk": "0.55 GPa"})
+    assert case.rod.radius == pytest.approx(3.81)
+    assert case.impact.speed == pytest.approx(150.0)
+    assert case.material.bulk == pytest.approx(550.0)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("rod.raduis", "4 mm", "did you mean 'radius'"),
+        ("mehtod", {}, "did you mean 'method'"),
+        ("material.decy", "1 1/ms", "did you mean 'decay'"),
+        ("method.box.w", ["0 mm", "1 mm"], "allowed: x, y, z"),
+        ("rod.radius", "4", 'has no unit; write a length such as "0.5 mm"'),
+        ("rod.radius", 4, "bare number without a unit"),
+        ("rod.radius", "4 kg", "wrong dimension"),
+        ("rod.radius", "4 mmm", "no known unit"),
+        ("rod.radius", "four mm", "not a number"),
+        ("rod.radius", "-4 mm", "must be greater than 0"),
+        ("rod.radius", "0 mm", "must be greater than 0"),
+        ("rod.radius", "nan mm", "not finite"),
+        ("rod.radius", "inf mm", "not finite"),
+        ("rod.radius", "1e999 mm", "not finite"),
+        ("rod.radius", True, "bare number"),
+        ("rod.radius", ["4 mm"], "not a string"),
+        ("impact.friction", float("nan"), "must be finite"),
+        ("impact.friction", float("inf"), "must be finite"),
+        ("impact.friction", "0.3", "must be a number"),
+        ("impact.friction", -0.1, "must not be less than 0"),
+        ("impact.gap", "-1 mm", '"-1 mm" must not be less than 0'),
+        ("material.shear_long", "200 MPa", "must not exceed material.shear_short, 140 MPa"),
+        ("material.bulk", "0 MPa", "must be greater than 0"),
+        ("material.decay", "-1 1/ms", "must not be less than 0"),
+        ("material.decay", "650 ms", "wrong dimension"),
+        ("material.law", "rubber", "allowed: elastic, elastic-plastic, linear-viscoelastic"),
+        ("method.name", "sph", "allowed: 'mpm'"),
+        ("method.shape", "cubic", "allowed: trilinear"),
+        ("method.scheme", "musll", "did you mean 'musl'"),
+        ("method.pic_fraction", 1.5, "must not be greater than 1"),
+        ("method.safety", 0.0, "must be greater than 0"),
+        ("method.cell", "5 mm", "larger than the rod: rod.radius is 3.8 mm"),
+        ("method.spacing", "0.6 mm", "larger than method.cell, 0.5 mm"),
+        ("method.spacing", "1 nm", "take a larger one"),
+        ("method.box.x", ["-3 mm", "6 mm"], "cuts the rod"),
+        ("method.box.y", ["-6 mm", "3 mm"], "cuts the rod"),
+        ("method.box.z", ["-0.01 mm", "20 mm"], "cuts the rod"),
+        ("method.box.z", ["0 mm", "30 mm"], "cuts the rod or the wall"),
+        ("method.box.z", ["-0.21 mm", "30 mm"], "between planes of the grid"),
+        ("method.box.x", ["-6 mm"], "is missing"),
+        ("time.snapshots", ["5 us", "21 us", "30 us"], "21 us, 30 us: after time.end, 20 us"),
+        ("time.snapshots", "5 us", "must be a list"),
+        ("time.end", "0 us", "must be greater than 0"),
+        ("rod", 4, "must be a table"),
+        ("title", 4, "must be text"),
+    ],
+)
+def test_a_fault_names_the_key_and_what_is_allowed(key: str, value: object, words: str):
+    found = faults({key: value})
+    blamed = [name for name in found if name.startswith(key) or name == f"{key}[1]"]
+    assert blamed, found
+    assert words in found[blamed[0]]
+
+
+def test_a_missing_key_is_shown_with_an_example():
+    found = faults({"material": {"law": "elastic"}})
+    assert found["material.density"] == 'is missing; write a density such as "1.0 g/cm^3"'
+    assert set(found) == {"material.density", "material.bulk", "material.shear"}
+
+
+def test_all_faults_are_reported_at_once():
+    found = faults(
+        {
+            "rod.length": "25.4",
+            "material.shear_long": "200 MPa",  # a rule within a table that has another fault
+            "material.decay": "650",
+            "method.spacing": "0.6 mm",  # a rule between keys, beside a wrong word
+            "method.scheme": "mussel",
+            "time.snapshots": ["30 us"],
+        }
+    )
+    assert set(found) == {
+        "rod.length", "material.shear_long", "material.decay", "method.spacing", "method.scheme", "time.snapshots",
+    }  # fmt: skip
+
+
+def test_with_gives_a_changed_checked_copy():
+    case = vp.Case.load("paper")
+    by_table = case.with_(material={"decay": "65 1/ms"})
+    by_key = case.with_({"material.decay": "65 1/ms"})
+    assert by_table == by_key
+    assert by_table.material.decay == 65.0
+    assert case.material.decay == 650.0
+    with pytest.raises(vp.CaseError, match=r"rod\.radius"):
+        case.with_(rod={"radius": "0 mm"})
+
+
+def test_a_table_of_another_law_starts_afresh():
+    old = {"material": {"law": "linear-viscoelastic", "decay": "1 1/ms", "density": "1 g/cm^3"}}
+    assert merged(old, {"material": {"law": "elastic", "bulk": "1 GPa"}})["material"].keys() == {"law", "bulk"}
+    assert merged(old, {"material": {"decay": "2 1/ms"}})["material"].keys() == {"law", "decay", "density"}
+
+
+def test_default_box_reaches_from_the_wall_around_the_rod():
+    tables = vp.Case.load("paper").to_tables()
+    del tables["method"]["box"]
+    box = vp.Case.from_tables(tables).method.box
+    assert box is not None
+    assert box.x == (-4 * 3.8, 4 * 3.8)
+    assert box.z == (-0.01, 2 * 25.4)
+
+
+@pytest.mark.parametrize("text", ["rod = 3 3", "\x00", "[a]\n[a]", "a = " + "[" * 5000])
+def test_what_is_not_toml_is_refused(tmp_path, text: str):
+    file = tmp_path / "case.toml"
+    file.write_text(text)
+    with pytest.raises(vp.InputError, match="not TOML"):
+        vp.Case.load(file)
+
+
+def test_a_case_that_is_not_there_is_refused_with_the_nearest(tmp_path):
+    with pytest.raises(vp.InputError, match="did you mean 'paper-elastic'"):
+        vp.Case.load("paper-elastik")
+    with pytest.raises(vp.InputError, match="cannot be read"):
+        vp.Case.load(tmp_path / "none.toml")
+    with pytest.raises(vp.InputError, match="cannot be read"):
+        vp.Case.load(tmp_path / "folder.toml" / "case.toml")
+
+
+def test_a_file_may_extend_only_a_packaged_case(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "paper-65"\n[rod]\nradius = "5 mm"\n')
+    case = vp.Case.load(file)
+    assert (case.rod.radius, case.material.decay) == (5.0, 65.0)
+    file.write_text('extends = "../../etc/passwd"\n')
+    with pytest.raises(vp.CaseError, match="no packaged case"):
+        vp.Case.load(file)
+
+
+def test_schema_describes_every_key_of_the_paper_s_case():
+    schema = vp.Case.model_json_schema()
+    json.dumps(schema)
+    assert {"rod", "impact", "material", "method", "time"} <= set(schema["required"])
+    assert schema["$defs"]["Rod"]["properties"]["radius"]["examples"] == ["0.5 mm"]
+    laws = schema["properties"]["material"]["discriminator"]["mapping"]
+    assert "linear-viscoelastic-plastic" in laws

@@ -1,0 +1,171 @@
+import json
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from viscopoint.case import Case
+from viscopoint.cli import app
+
+QUICK = [
+    "--set",
+    "method.cell=1 mm",
+    "--set",
+    "method.spacing=0.7 mm",
+    "--set",
+    "time.end=1 us",
+    "--set",
+    "time.snapshots=[]",
+]
+
+
+def call(*words: str | Path) -> tuple[int, str, str]:
+    """Run the command line in this process; return exit code, output and messages."""
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+def test_run_leaves_a_whole_run_folder_and_show_prints_it(tmp_path: Path):
+    folder = tmp_path / "deep" / "run"
+    code, out, messages = call("run", "paper", "--out", folder, *QUICK)
+    assert (code, messages) == (0, "")
+    assert "complete" in out
+    names = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    figures = {f"figures/{name}.png" for name in ("shapes", "profiles", "histories", "energies")}
+    assert names == {"case.toml", "provenance.json", "summary.json", "history.csv", "fields.vtkhdf"} | figures
+    code, shown, _ = call("show", folder)
+    assert code == 0
+    assert shown == out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["run", "papr"], "did you mean 'paper'"),
+        (["run", "absent.toml"], "cannot be read"),
+        (["run", "paper", "--set", "rod.radius=4"], "rod.radius: 4 is a bare number"),
+        (["run", "paper", "--set", "rod.raduis=4 mm"], "did you mean 'radius'"),
+        (["run", "paper", "--set", "rod.radius"], "KEY=VALUE"),
+        (["run", "paper", "--set", "=3"], "KEY=VALUE"),
+        (["run", "paper", "--set", "impact.friction=nan"], "must be finite"),
+        (["run", "paper", "--set", 'time.snapshots=["30 us"]'], "after time.end"),
+        (["run", "paper", "--threads", "1000"], "this machine has"),
+    ],
+)
+def test_bad_input_gives_one_message_and_code_2_and_writes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], message: str
+):
+    monkeypatch.chdir(tmp_path)
+    code, out, messages = call(*words)
+    assert code == 2
+    assert out == ""
+    assert message in messages
+    assert "Traceback" not in messages
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_existing_folder_is_kept_without_force(tmp_path: Path):
+    folder = tmp_path / "run"
+    assert call("run", "paper", "--out", folder, "--no-figures", *QUICK)[0] == 0
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    code, _, messages = call("run", "paper", "--out", folder, *QUICK)
+    assert code == 2
+    assert "already there" in messages
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
+    assert call("run", "paper", "--out", folder, "--force", "--no-figures", *QUICK)[0] == 0
+
+
+def test_force_never_removes_what_is_no_run(tmp_path: Path):
+    precious = tmp_path / "precious"
+    precious.mkdir()
+    (precious / "thesis.txt").write_text("all my work")
+    code, _, messages = call("run", "paper", "--out", precious, "--force", *QUICK)
+    assert code == 2
+    assert "no run folder" in messages
+    assert (precious / "thesis.txt").read_text() == "all my work"
+
+
+def test_a_folder_that_cannot_be_written_is_refused():
+    # /proc is a folder that even root cannot write
+    code, _, messages = call("run", "paper", "--out", "/proc/self/run", *QUICK)
+    assert code == 2
+    assert "cannot be made" in messages
+
+
+def test_a_file_where_the_folder_should_be_is_refused(tmp_path: Path):
+    (tmp_path / "file").write_text("")
+    assert call("run", "paper", "--out", tmp_path / "file", *QUICK)[0] == 2
+    assert call("run", "paper", "--out", tmp_path / "file" / "run", *QUICK)[0] == 2
+
+
+def test_a_guard_ends_with_code_1_and_keeps_what_was_computed(tmp_path: Path):
+    folder = tmp_path / "run"
+    code, out, _ = call("run", "paper", "--out", folder, *QUICK, "--set", "guards.energy_error=1e-6")
+    assert code == 1
+    assert "INCOMPLETE" in out
+    assert "energy ledger" in out
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["status"] == "stopped"
+    assert summary["snapshots"][0]["time"] == 0.0
+    assert (folder / "figures" / "shapes.png").is_file()
+
+
+@pytest.mark.parametrize("name", ["summary.json", "provenance.json"])
+def test_show_refuses_a_folder_that_is_not_a_run(tmp_path: Path, finished: Path, name: str):
+    assert call("show", tmp_path)[0] == 2
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    for path in finished.iterdir():
+        if path.is_file():
+            (copy / path.name).write_bytes(path.read_bytes())
+    (copy / name).write_text("[1, 2")
+    code, _, messages = call("show", copy)
+    assert code == 2
+    assert name in messages
+
+
+def test_cases_new_and_schema(tmp_path: Path):
+    assert {line.split()[0] for line in call("cases")[1].splitlines()} == {
+        "paper", "paper-6.5", "paper-65", "paper-elastic",
+    }  # fmt: skip
+    assert json.loads(call("schema")[1])["title"] == "Case"
+    file = tmp_path / "mine.toml"
+    assert call("new", file)[0] == 0
+    assert call("new", file)[0] == 2
+    assert call("new", tmp_path / "absent" / "mine.toml")[0] == 2
+    assert call("run", file, "--out", tmp_path / "run", "--no-figures", *QUICK)[0] == 0
+
+
+def test_starter_case_shows_the_true_defaults(tmp_path: Path):
+    file = tmp_path / "mine.toml"
+    call("new", file)
+    lines = file.read_text().splitlines()
+    shown = [
+        line[2:] if line.startswith(("# [", "# ")) and not line.startswith("# law") else line for line in lines[3:]
+    ]
+    assert any(line.startswith("energy_error") for line in shown)
+    assert Case.from_tables(tomllib.loads("\n".join(shown))) == Case.load(file)
+
+
+def test_ctrl_c_ends_with_code_130_and_keeps_what_was_computed(tmp_path: Path):
+    folder = tmp_path / "run"
+    endless = ("time.end=20 ms", "time.snapshots=[]", "method.box.z=['-0.01 mm', '9 m']")
+    settings = [word for setting in endless for word in ("--set", setting)]
+    command = [sys.executable, "-m", "viscopoint", "run", "paper", "--out", str(folder), "--no-figures", *settings]
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    history = folder / "history.csv"
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline and not (history.exists() and history.stat().st_size > 8_000):
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 130
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["status"] == "interrupted"
+    written = len(history.read_text().splitlines()) - 2  # without the header and the start
+    assert written in (summary["steps"] - 1, summary["steps"])  # Ctrl-C may come between a step and its row

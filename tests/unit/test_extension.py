@@ -1,0 +1,40 @@
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import viscopoint
+
+PACKAGE = Path(viscopoint.__file__).parent
+CONTRIBUTING = PACKAGE.parent.parent / "CONTRIBUTING.md"
+
+
+ELASTIC = 'law="elastic", density="1 g/cm^3", bulk="550 MPa", shear="140 MPa"'
+KELVIN_VOIGT = ELASTIC.replace("elastic", "kelvin-voigt") + ', decay="1e7 1/ms"'
+
+
+def velocity_after_impact(package: Path, material: str, place: Path) -> float:
+    """Run a small case with a copy of the package; return the velocity of the centre of mass at the end."""
+    changes = {"method.cell": "1 mm", "method.spacing": "0.7 mm", "time.snapshots": "[]", "time.end": "1 us"}
+    changes["material"] = f"{{{material}}}"
+    settings = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
+    command = [sys.executable, "-m", "viscopoint", "run", "paper", "--out", str(place / "run"), "--no-figures"]
+    environment = os.environ | {"PYTHONPATH": str(package.parent), "XDG_CACHE_HOME": str(place / "cache")}
+    done = subprocess.run([*command, *settings, "--force"], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads((place / "run" / "summary.json").read_text())["snapshots"][-1]["velocity"]
+
+
+def test_the_law_that_contributing_adds_works_as_one_new_file(tmp_path: Path):
+    copy = tmp_path / "viscopoint"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    blocks = re.findall(r"```python\n(.*?)```", CONTRIBUTING.read_text(), re.S)
+    (copy / "laws" / "kelvin_voigt.py").write_text(blocks[0])
+    # a dashpot that yields in 1e-7 ms, a thousandth of a step, adds a thousandth to the spring's answer
+    added = velocity_after_impact(copy, KELVIN_VOIGT, tmp_path)
+    elastic = velocity_after_impact(copy, ELASTIC, tmp_path)
+    assert -149.0 < elastic < -100.0
+    assert abs(added - elastic) < 2e-3 * (elastic + 150.0)

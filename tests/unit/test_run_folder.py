@@ -1,0 +1,123 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyvista
+
+import viscopoint as vp
+from viscopoint.output import fields as field_file
+
+
+def test_snapshots_are_hit_exactly(finished: Path):
+    run = vp.Run(finished)
+    assert run.times.tolist() == [0.0, 0.001, 0.002]
+    assert run.history["time"].iloc[-1] == 0.002
+    assert 0.001 in set(run.history["time"])
+    assert run.snapshot("1 us").time == 0.001
+    assert run.snapshot(-1).time == 0.002
+    with pytest.raises(vp.InputError, match="no snapshot at"):
+        run.snapshot("1.5 us")
+    with pytest.raises(vp.InputError, match="write a time"):
+        run.snapshot("1.5")
+
+
+def test_history_has_a_unit_for_every_column(finished: Path):
+    header = (finished / "history.csv").read_text().splitlines()[0]
+    assert header.startswith("time [ms],step [1],time_step [ms],length [mm]")
+    history = vp.Run(finished).history
+    assert history.attrs["units"]["wall_impulse"] == "N ms"
+    assert history["step"].tolist() == list(range(len(history)))
+
+
+def test_ledger_rows_close(finished: Path):
+    history = vp.Run(finished).history
+    terms = ["kinetic", "stored", "dissipated", "viscous", "contact", "friction", "numerical"]
+    total = history[terms].sum(axis=1)
+    assert np.allclose(total, total.iloc[0], rtol=1e-12)
+
+
+def test_wall_force_integrates_to_the_impulse(finished: Path):
+    history = vp.Run(finished).history
+    summed = (history["wall_force"] * history["time"].diff().fillna(0.0)).cumsum()
+    assert np.allclose(summed, history["wall_impulse"], rtol=1e-10, atol=1e-10)
+
+
+def test_fields_open_in_vtk_as_an_animation(finished: Path):
+    run = vp.Run(finished)
+    reader = pyvista.get_reader(finished / "fields.vtkhdf").reader  # VTK's own, which ParaView uses too
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == len(run.times)
+    for number, time in enumerate(run.times):
+        reader.SetStep(number)
+        reader.Update()
+        assert reader.GetTimeValue() == time
+        mesh = pyvista.wrap(reader.GetOutput())
+        snapshot = run.snapshot(number)
+        assert np.array_equal(mesh.points, snapshot["position"])
+        for name, field in snapshot.fields.items():
+            if name != "position":
+                assert np.array_equal(mesh.point_data[name], field.values), name
+        assert mesh.n_cells == mesh.n_points
+
+
+def test_fields_are_those_of_the_physics(finished: Path):
+    run = vp.Run(finished)
+    last = run.snapshot(-1)
+    assert {
+        "position", "initial_position", "displacement", "velocity", "stress", "von_mises", "pressure", "jacobian",
+        "maxwell_stress", "lost",
+    } <= set(last.fields)  # fmt: skip
+    assert last.fields["stress"].unit == "MPa"
+    assert np.allclose(last["position"] - last["displacement"], last["initial_position"])
+    assert np.array_equal(last["initial_position"], run.body.position)
+    bulk = run.case.material.bulk
+    assert np.allclose(last["pressure"], -bulk * np.log(last["jacobian"]), rtol=1e-9, atol=1e-9)
+    tensor = np.zeros((len(last["stress"]), 3, 3))
+    for column, (i, j) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]):
+        tensor[:, i, j] = tensor[:, j, i] = last["stress"][:, column]
+    shape = tensor - np.trace(tensor, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+    assert np.allclose(last["von_mises"], np.sqrt(1.5 * (shape**2).sum(axis=(1, 2))))
+
+
+def test_summary_and_history_agree(finished: Path):
+    run = vp.Run(finished)
+    rows = {row["time"]: row for row in run.summary["snapshots"]}
+    for _, line in run.history[run.history["time"].isin(list(rows))].iterrows():
+        for name, value in rows[line["time"]].items():
+            assert line[name] == value, name
+
+
+def test_provenance_says_what_made_the_run(finished: Path):
+    provenance = vp.Run(finished).provenance
+    assert provenance["format"] == 1
+    for key in ("viscopoint", "python", "numpy", "numba", "machine", "threads", "started", "ended"):
+        assert provenance[key], key
+
+
+def test_a_run_of_another_format_is_refused(finished: Path, tmp_path: Path):
+    for name in ("provenance.json", "summary.json"):
+        (tmp_path / name).write_bytes((finished / name).read_bytes())
+    data = json.loads((tmp_path / "provenance.json").read_text())
+    (tmp_path / "provenance.json").write_text(json.dumps(data | {"format": 99}))
+    with pytest.raises(vp.InputError, match="format 99"):
+        vp.Run(tmp_path)
+
+
+def test_a_run_without_folder_lives_as_long_as_its_object(quick: vp.Case):
+    run = vp.run(quick, figures=False)
+    folder = run.folder
+    assert run.status == "complete"
+    assert folder.is_dir()
+    del run
+    assert not folder.exists()
+
+
+def test_a_vanished_folder_ends_with_an_output_error(quick: vp.Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def full(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(field_file, "_append", full)
+    with pytest.raises(vp.OutputError, match="No space left on device") as caught:
+        vp.run(quick, tmp_path / "run")
+    assert caught.value.exit_code == 3

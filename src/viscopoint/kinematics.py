@@ -1,7 +1,7 @@
 """From a step's velocity gradient to strain, rotation and volume, objectively (Hughes & Winget 1980)."""
 
 from viscopoint.jit import inline
-from viscopoint.tensors import Matrix, Sym
+from viscopoint.tensors import Matrix, Sym, spun
 
 
 @inline
@@ -17,9 +17,11 @@ def increments(gradient: Matrix) -> tuple[Sym, Matrix, float]:
     ``gradient`` is A = ∂Δu/∂x at the start of the step, so that F ← (I + A) F. Taken at mid-step,
     G = A (I + A/2)⁻¹, its symmetric part is the strain increment and the Cayley transform of its antisymmetric part
     the rotation Q = (I - W/2)⁻¹ (I + W/2): a rigid rotation of any size gives no strain and turns stresses exactly.
+    The strain, which belongs to mid-step, follows the stress through the rest of the rotation to first order in W/2:
+    that makes the update of second order in the step.
 
     Returns:
-        The strain increment, the rotation Q and the volume ratio det(I + A).
+        The strain increment at the end of the step, the rotation Q and the volume ratio det(I + A).
     """
     xx, yy, zz = 1.0 + 0.5 * gradient.xx, 1.0 + 0.5 * gradient.yy, 1.0 + 0.5 * gradient.zz
     half = Matrix(  # I + A/2
@@ -39,13 +41,13 @@ def increments(gradient: Matrix) -> tuple[Sym, Matrix, float]:
     gxz = scale * (half.xy * half.yz - half.xz * half.yy)
     gzx = scale * (half.yx * half.zy - half.yy * half.zx)
     strain = Sym(gxx, gyy, gzz, 0.5 * (gxy + gyx), 0.5 * (gyz + gzy), 0.5 * (gzx + gxz))
-    turn = cayley(0.25 * (gzy - gyz), 0.25 * (gxz - gzx), 0.25 * (gyx - gxy))
+    x, y, z = 0.25 * (gzy - gyz), 0.25 * (gxz - gzx), 0.25 * (gyx - gxy)  # of W/2
     stretch = Matrix(
         1.0 + gradient.xx, gradient.xy, gradient.xz,
         gradient.yx, 1.0 + gradient.yy, gradient.yz,
         gradient.zx, gradient.zy, 1.0 + gradient.zz,
     )  # fmt: skip
-    return strain, turn, determinant(stretch)
+    return strain + spun(strain, x, y, z), cayley(x, y, z), determinant(stretch)
 
 
 @inline

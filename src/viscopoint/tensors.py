@@ -130,6 +130,19 @@ def rotated(a: Sym, turn: Matrix) -> Sym:
 
 
 @inline
+def spun(a: Sym, x: float, y: float, z: float) -> Sym:
+    """Return W a - a W for the antisymmetric W with axial vector (x, y, z): the rate of a tensor that turns with W."""
+    return Sym(
+        2.0 * (y * a.zx - z * a.xy),
+        2.0 * (z * a.xy - x * a.yz),
+        2.0 * (x * a.yz - y * a.zx),
+        z * (a.xx - a.yy) + y * a.yz - x * a.zx,
+        x * (a.yy - a.zz) + z * a.zx - y * a.xy,
+        y * (a.zz - a.xx) + x * a.xy - z * a.yz,
+    )
+
+
+@inline
 def read(row: Any) -> Sym:
     """Read a tensor from the six values of an array row or a tuple."""
     return Sym(row[0], row[1], row[2], row[3], row[4], row[5])

@@ -44,7 +44,7 @@ def update_stress(
     Args:
         law: the parameters.
         factors: ``step_factors(law, dt)``.
-        strain: strain increment, at mid-step.
+        strain: strain increment, turned like the stress to the end of the step.
         turn: rotation over the step.
         jacobian: J = det F at the end of the step.
         stress: Cauchy stress at its start [MPa].

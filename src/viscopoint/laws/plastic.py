@@ -129,7 +129,7 @@ def radial_return(
         growth = excess / (3.0 * shear_over_step(base, factors) + law.hardening)
         flow = (1.5 * growth / size) * deviator(trial)  # plastic strain increment, along the trial stress
         trial, inner, loss = update_stress(base, factors, strain - flow, turn, jacobian, stress, history[:-1])
-        loss += contract(trial, flow)
+        loss += contract(trial, flow) - 0.5 * law.hardening * growth * growth  # the mean stress of the flow works
         plastic += growth
     return trial, (*inner, plastic), loss
 

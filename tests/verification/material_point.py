@@ -1,0 +1,68 @@
+"""One material point driven through prescribed motions, in plain Python."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from viscopoint.kinematics import increments
+from viscopoint.laws import update_stress
+from viscopoint.laws.elastic import Elastic
+from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
+from viscopoint.laws.plastic import ElasticPlastic, ViscoelasticPlastic
+from viscopoint.tensors import Matrix, Sym
+
+STILL = Matrix(1, 0, 0, 0, 1, 0, 0, 0, 1)
+ELASTIC = Elastic(density=1e-3, bulk=550.0, shear=140.0)
+PAPER = LinearViscoelastic(density=1e-3, bulk=550.0, shear_long=5.0, shear_arm=135.0, decay=65.0)
+PLASTIC = ElasticPlastic(*ELASTIC, yield_stress=8.0, hardening=20.0)
+POLYMER = ViscoelasticPlastic(*PAPER, yield_stress=8.0, hardening=20.0)
+LAWS = {"elastic": ELASTIC, "viscoelastic": PAPER, "elastic-plastic": PLASTIC, "viscoelastic-plastic": POLYMER}
+
+
+class State(NamedTuple):
+    stress: Sym
+    history: tuple[float, ...]
+    jacobian: float = 1.0
+    dissipated: float = 0.0  # per reference volume, mJ/mm^3
+
+
+def at_rest(law: Any) -> State:
+    return State(Sym(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0,) * sum(count for _, count in law.history_fields))
+
+
+def strained(law: Any, factors: Any, state: State, strain: Sym, turn: Matrix = STILL, ratio: float = 1.0) -> State:
+    """Advance by a strain increment, a rotation and a volume ratio that need not come from one motion."""
+    jacobian = state.jacobian * ratio
+    stress, history, loss = update_stress(law, factors, strain, turn, jacobian, state.stress, state.history)
+    return State(stress, history, jacobian, state.dissipated + jacobian * loss)
+
+
+def moved(law: Any, factors: Any, state: State, displacement_gradient: np.ndarray) -> State:
+    """Advance by a step's motion, F <- (I + A) F, as the methods do."""
+    return strained(law, factors, state, *increments(matrix(displacement_gradient)))
+
+
+def matrix(a: np.ndarray) -> Matrix:
+    return Matrix(*map(float, a.ravel()))
+
+
+def symmetric(a: np.ndarray) -> Sym:
+    return Sym(*map(float, (a[0, 0], a[1, 1], a[2, 2], a[0, 1], a[1, 2], a[2, 0])))
+
+
+def square(a: Sym | Matrix | Sequence[float]) -> np.ndarray:
+    """Return the 3 x 3 array of a tensor, or of the six components of one."""
+    if isinstance(a, Matrix):
+        return np.array(a).reshape(3, 3)
+    xx, yy, zz, xy, yz, zx = (a.xx, a.yy, a.zz, a.xy, a.yz, a.zx) if isinstance(a, Sym) else a
+    return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+
+
+def deviatoric(a: np.ndarray) -> np.ndarray:
+    return a - np.trace(a) / 3 * np.eye(3)
+
+
+def orders(errors: Sequence[float]) -> np.ndarray:
+    """Return the observed order between runs of which each has half the step of the one before."""
+    return np.log2(np.divide(errors[:-1], errors[1:]))

@@ -53,11 +53,6 @@ def parse(text: str, unit: str) -> float:
     return float(value)
 
 
-def convert(value: float, unit: str, other: str) -> float:
-    """Convert a float from one unit to another."""
-    return float(_registry().Quantity(value, unit).to(other).magnitude)
-
-
 @dataclass(frozen=True)
 class Quantity:
     """A float in ``unit`` (of g, mm, ms or equal to it) that a case writes as a string such as ``example``."""

@@ -20,6 +20,6 @@ def viscous_speed(viscosity: BulkViscosity, length: float, sound: float, rate: f
 
 
 @inline
-def critical_step(length: float, sound: float, damping: float, speed: float) -> float:
-    """Return the longest stable step of a cell of ``length`` crossed at ``speed`` [ms] (DYNA3D's formula)."""
-    return length / (damping + math.sqrt(damping * damping + sound * sound) + speed)
+def signal_speed(sound: float, damping: float) -> float:
+    """Return the speed that bounds the stable step, length / speed, with bulk viscosity [mm/ms] (DYNA3D)."""
+    return damping + math.sqrt(damping * damping + sound * sound)

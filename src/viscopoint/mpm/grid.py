@@ -143,12 +143,20 @@ def sort_by_slab(slab: NDArray[np.int32], offset: NDArray[np.int64], order: NDAr
 
 
 @kernel
-def clear(grid: Grid) -> None:
-    """Forget the nodes' mass, momentum and force."""
-    momentum, force = grid.momentum, grid.change
+def forget_momentum(grid: Grid) -> None:
+    """Set the nodes' mass and momentum to zero."""
+    momentum = grid.momentum
     for n in prange(len(momentum)):
         for a in range(4):
             momentum[n, a] = 0.0
+
+
+@kernel
+def forget_force(grid: Grid) -> None:
+    """Set the nodes' force to zero."""
+    force = grid.change
+    for n in prange(len(force)):
+        for a in range(4):
             force[n, a] = 0.0
 
 

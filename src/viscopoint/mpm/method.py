@@ -11,12 +11,12 @@ from viscopoint.body import Body
 from viscopoint.laws import Law, step_factors
 from viscopoint.method import Field, Totals
 from viscopoint.mpm.contact import TALLY, touch
-from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, clear, lattice
+from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, forget_force, forget_momentum, lattice
 from viscopoint.mpm.points import Points, at_rest
 from viscopoint.mpm.schemes import Scheme
 from viscopoint.mpm.stress import sum_points, update_points
 from viscopoint.tensors import COMPONENTS
-from viscopoint.viscosity import BulkViscosity, critical_step
+from viscopoint.viscosity import BulkViscosity, signal_speed
 from viscopoint.wall import RigidWall, Symmetry
 
 
@@ -53,7 +53,7 @@ class MaterialPointMethod:
         self.points.velocity[:] = velocity
         self.grid: Grid = lattice(choices.box, choices.cell, len(body.position))
         fastest = float(np.linalg.norm(self.points.velocity, axis=1).max())
-        self.grid.critical[:] = critical_step(choices.cell, self.sound, 0.0, fastest)
+        self.grid.critical[:] = choices.cell / (signal_speed(self.sound, 0.0) + fastest)
         self.tally = np.zeros(TALLY)  # of all boundaries, since the start
         self.middle = tuple(body.position.mean(axis=0))
         self._sort()
@@ -72,7 +72,8 @@ class MaterialPointMethod:
 
     def fresh_grid(self) -> Grid:
         """Return the grid without mass, momentum or force."""
-        clear(self.grid)
+        forget_momentum(self.grid)
+        forget_force(self.grid)
         return self.grid
 
     def contact(self, grid: Grid) -> None:

@@ -7,8 +7,14 @@ uses the weights of its beginning; the points move last.
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from viscopoint.mpm.grid import accelerate, average, clear
-from viscopoint.mpm.transfers import gather_velocity, move, scatter_momentum, scatter_momentum_and_force
+from viscopoint.mpm.grid import accelerate, average, forget_momentum
+from viscopoint.mpm.transfers import (
+    gather_velocity,
+    gather_velocity_and_remap,
+    move,
+    scatter_momentum,
+    scatter_momentum_and_force,
+)
 
 if TYPE_CHECKING:
     from viscopoint.mpm.method import MaterialPointMethod
@@ -35,9 +41,8 @@ def musl(mpm: "MaterialPointMethod", dt: float) -> None:
     scatter_momentum_and_force(points, grid, shape)  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
     mpm.contact(grid)  # v_n >= 0 on the wall
-    gather_velocity(points, grid, shape, mpm.pic)  # v_p
-    mpm.fresh_grid()
-    scatter_momentum(points, grid, shape)  # (mv)_i of the accelerated points
+    forget_momentum(grid)
+    gather_velocity_and_remap(points, grid, shape, mpm.pic)  # v_p, then (mv)_i of the accelerated points
     average(grid)  # v_i
     mpm.hold(grid)
     mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
@@ -66,7 +71,7 @@ def usf(mpm: "MaterialPointMethod", dt: float) -> None:
     average(grid)  # v_i
     mpm.hold(grid)
     mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
-    clear(grid)
+    mpm.fresh_grid()
     scatter_momentum_and_force(points, grid, shape)  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
     mpm.contact(grid)  # v_n >= 0 on the wall

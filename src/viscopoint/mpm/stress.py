@@ -3,7 +3,6 @@
 import math
 from typing import Any
 
-import numpy as np
 from numba import prange
 from numba.extending import overload
 from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -16,7 +15,7 @@ from viscopoint.mpm.grid import CHUNKS, Grid
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.transfers import around, gradient
 from viscopoint.tensors import read, trace, write
-from viscopoint.viscosity import BulkViscosity, critical_step, viscous_speed
+from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
 
 
 def load(row: Array, blank: History) -> History:
@@ -73,9 +72,9 @@ def update_points(
     """
     jacobian, viscous_pressure, critical = points.jacobian, points.viscous_pressure, grid.critical
     dissipated, viscous_loss = points.dissipated, points.viscous_loss
-    scale = dt * grid.per_cell
+    scale, per_dt = dt * grid.per_cell, 1.0 / dt
     for slab in prange(len(grid.start) - 2):
-        least = np.inf
+        fastest = 0.0
         for q in range(grid.start[slab], grid.start[slab + 1]):
             p = grid.order[q]
             at = around(points, p, grid, shape)
@@ -90,14 +89,14 @@ def update_points(
             dissipated[p] += after * loss
             # the viscous pressure of the step before is what pushed the nodes during this one
             viscous_loss[p] -= before * viscous_pressure[p] * trace(strain)
-            rate = trace(strain) / dt
+            rate = trace(strain) * per_dt
             here = sound * math.sqrt(after)
             damping = viscous_speed(viscosity, grid.cell, here, rate)
             viscous_pressure[p] = law.density / after * grid.cell * abs(rate) * damping
             v = points.velocity[p]
             speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-            least = min(least, critical_step(grid.cell, here, damping, speed))
-        critical[slab] = least
+            fastest = max(fastest, signal_speed(here, damping) + speed)
+        critical[slab] = grid.cell / fastest
 
 
 @kernel

@@ -38,16 +38,16 @@ def profile(surface: Surface, position: Array) -> tuple[Array, Array]:
 def measure(surface: Surface, position: Array) -> Gauges:
     """Measure the rod; see the module's words on how."""
     _, radius = profile(surface, position)
-    z = position[:, 2]
+    x, y, z = position.T
+    # fmax and fmin leave out not-a-number
+    tail, foot = _ends(surface.tail, z, surface.reach), _ends(surface.foot, z, surface.reach)
     return Gauges(
-        length=float(
-            np.nanmax(_ends(surface.tail, z, surface.reach)) - np.nanmin(_ends(surface.foot, z, surface.reach))
-        ),
+        length=float(np.fmax.reduce(tail) - np.fmin.reduce(foot)),
         foot_radius=float(radius[0]),
-        greatest_radius=float(np.nanmax(radius)),
-        lowest_point=float(np.nanmin(z)),
-        highest_point=float(np.nanmax(z)),
-        widest_point=float(np.sqrt(np.nanmax(position[:, 0] ** 2 + position[:, 1] ** 2))),
+        greatest_radius=float(np.fmax.reduce(radius)),
+        lowest_point=float(np.fmin.reduce(z)),
+        highest_point=float(np.fmax.reduce(z)),
+        widest_point=float(np.sqrt(np.fmax.reduce(x**2 + y**2))),
     )
 
 

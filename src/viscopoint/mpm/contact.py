@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from viscopoint.arrays import Array
 from viscopoint.jit import serial_kernel
-from viscopoint.mpm.grid import Grid, window
+from viscopoint.mpm.grid import Grid
 from viscopoint.wall import RigidWall, Symmetry, held
 
 TALLY = 5  # impulse x, y, z [N ms]; work of the normal and of the tangential impulse [mJ]
@@ -16,13 +16,12 @@ TALLY = 5  # impulse x, y, z [N ms]; work of the normal and of the tangential im
 def touch(boundary: RigidWall | Symmetry, grid: Grid, body_middle: tuple[float, float, float]) -> Array:
     """Hold the nodes on a boundary's plane or beyond it; return impulse and work on the body (see ``TALLY``)."""
     axis, position = (2, boundary.height) if isinstance(boundary, RigidWall) else boundary
-    first, size = window(grid)
-    low, high = np.zeros(3, np.int64), size.copy()
-    plane = round((position - (grid.x0, grid.y0, grid.z0)[axis]) * grid.per_cell) - int(first[axis])
+    plane = round((position - (grid.x0, grid.y0, grid.z0)[axis]) * grid.per_cell) - (grid.i0, grid.j0, grid.k0)[axis]
+    low, high = np.zeros(3, np.int64), np.array([grid.nx, grid.ny, grid.nz], np.int64)
     if position <= body_middle[axis]:
-        high[axis] = min(max(plane + 1, 0), int(size[axis]))
+        high[axis] = min(max(plane + 1, 0), high[axis])
     else:
-        low[axis] = min(max(plane, 0), int(size[axis]))
+        low[axis] = min(max(plane, 0), high[axis])
     tally = np.zeros(TALLY)
     hold(boundary, grid, low, high, tally)
     return tally
@@ -48,7 +47,6 @@ def hold(boundary: Any, grid: Grid, low: NDArray[np.int64], high: NDArray[np.int
                     tally[0] += m * dx
                     tally[1] += m * dy
                     tally[2] += m * dz
-                    if dz != 0.0:
-                        z0 = grid.momentum[n, 2] / m
-                        tally[3] += 0.5 * m * (vz * vz - z0 * z0)
-                    tally[4] += 0.5 * m * (dx * (vx + ux) + dy * (vy + uy))
+                    x0, y0, z0 = grid.momentum[n, 0] / m, grid.momentum[n, 1] / m, grid.momentum[n, 2] / m
+                    tally[3] += 0.5 * m * (vz * vz - z0 * z0) if dz != 0.0 else 0.0
+                    tally[4] += 0.5 * m * (dx * (vx + x0) + dy * (vy + y0))

@@ -37,10 +37,13 @@ class Grid(NamedTuple):
     z0: float
     cell: float  # h, mm
     per_cell: float  # 1/h, 1/mm
+    i0: int  # lattice index of the window's first node along x
+    j0: int
+    k0: int
     nx: np.uint64  # nodes of the window along x
     ny: np.uint64
     nz: np.uint64
-    shift: np.uint64  # row of the window's first node, were the window the whole lattice
+    shift: np.uint64  # (k0 ny + j0) nx + i0: takes a row counted from the lattice's first node into the window
     momentum: Array  # [n, 4], (mv)_i and m_i
     velocity: Array  # [n, 4], v_i
     change: Array  # [n, 4], f_i until the nodes are accelerated, then the change of v_i
@@ -56,17 +59,9 @@ def lattice(box: Box, cell: float, points: int) -> Grid:
     nodes = np.zeros((0, 4))
     zero = np.uint64(0)
     return Grid(
-        *box.low, cell, 1.0 / cell, zero, zero, zero, zero, nodes, nodes, nodes,
+        *box.low, cell, 1.0 / cell, 0, 0, 0, zero, zero, zero, zero, nodes, nodes, nodes,
         order=np.zeros(points, np.uint64), start=np.zeros(slabs + 2, np.int64), critical=np.full(slabs, np.inf),
     )  # fmt: skip
-
-
-def window(grid: Grid) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the lattice indices of the window's first node and its number of nodes along x, y, z."""
-    nx, ny, nz = int(grid.nx), int(grid.ny), int(grid.nz)
-    rest, i = divmod(int(grid.shift), max(nx, 1))
-    k, j = divmod(rest, max(ny, 1))
-    return np.array([i, j, k]), np.array([nx, ny, nz])
 
 
 def around_points(grid: Grid, points: Points, box: Box) -> Grid:
@@ -89,14 +84,17 @@ def _fitted(grid: Grid, low: NDArray[np.int64], high: NDArray[np.int64]) -> Grid
     if np.any(high < 0):  # no point is left in the box
         return grid
     margin = 2  # cells: the support of a point beyond its own cell, and room to move before the next new window
-    first, size = window(grid)
+    first = np.array([grid.i0, grid.j0, grid.k0])
+    size = np.array([grid.nx, grid.ny, grid.nz], np.int64)
     if np.all(size > 0) and np.all((first == 0) | (low - 1 >= first)) and np.all(high + margin < first + size):
         return grid
     first = np.maximum(low - 2 * margin, 0)
     nx, ny, nz = (int(n) for n in high + 2 * margin + 1 - first)
     nodes = [np.zeros((nx * ny * nz, 4)) for _ in range(3)]
-    shift = (int(first[2]) * ny + int(first[1])) * nx + int(first[0])
+    i0, j0, k0 = (int(index) for index in first)
+    shift = (k0 * ny + j0) * nx + i0
     return grid._replace(
+        i0=i0, j0=j0, k0=k0,
         nx=np.uint64(nx), ny=np.uint64(ny), nz=np.uint64(nz), shift=np.uint64(shift),
         momentum=nodes[0], velocity=nodes[1], change=nodes[2],
     )  # fmt: skip

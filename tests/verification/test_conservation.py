@@ -1,0 +1,238 @@
+"""What a step must keep: momentum, energy, rest, freedom after contact; and that no bit depends on the machine.
+
+Bounds "to rounding" allow for ``ROUNDING`` per step, some hundred roundings of the sums over a few thousand points.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from columns import (
+    BOX,
+    CELL,
+    ELASTIC,
+    HEIGHT,
+    SHEAR_SHORT,
+    Array,
+    advance,
+    block,
+    column,
+    one_thread,  # noqa: F401
+    rod,
+)
+from numpy.testing import assert_allclose, assert_array_equal
+
+from viscopoint.method import Totals
+from viscopoint.mpm.grid import Box
+from viscopoint.mpm.method import MaterialPointMethod
+from viscopoint.mpm.schemes import SCHEMES
+from viscopoint.wall import RigidWall, Symmetry
+
+pytestmark = pytest.mark.usefixtures("one_thread")
+# The plain "usl" takes strain from nodes that hardly any mass is on (MUSL was made to cure that), and does not survive
+# points that come to such nodes: it is asked for few steps.
+SCHEMES_AND_STEPS = pytest.mark.parametrize(("scheme", "count"), [("musl", 100), ("usf", 100), ("usl", 10)])
+THREADS = numba.get_num_threads()
+ROUNDING = 100 * np.finfo(float).eps
+VELOCITY = (13.0, -17.0, 11.0)  # mm/ms
+
+
+def stirred(position: Array) -> Array:
+    """Return random velocities on top of a stretch, a spin and a flight."""
+    x, y, z = position.T
+    smooth = np.column_stack([9 * x - 5 * y, 5 * x + 7 * y, 11 * (z - 9)])
+    return smooth + np.random.default_rng(4).normal(size=position.shape) + [3.0, -2.0, 4.0]
+
+
+def steps(method: MaterialPointMethod, count: int) -> MaterialPointMethod:
+    for _ in range(count):
+        method.advance(method.stable_step())
+    return method
+
+
+def missing(start: Totals, now: Totals) -> float:
+    """Return the share of the initial energy that no account holds."""
+    known = now.kinetic + now.stored + now.dissipated + now.viscous + now.contact + now.friction
+    return 1 - known / (start.kinetic + start.stored)
+
+
+def assert_momentum_kept(method: MaterialPointMethod, start: Totals, count: int) -> None:
+    speed = np.abs(method.points.velocity).max()
+    gained = method.totals().momentum - start.momentum
+    assert_allclose(gained, method.totals().impulse, rtol=0, atol=count * ROUNDING * start.mass * speed)
+
+
+@pytest.mark.parametrize("scheme", sorted(SCHEMES))
+@pytest.mark.parametrize("pic", [0.0, 0.3])
+def test_free_flight_changes_nothing(scheme: str, pic: float) -> None:
+    method = rod(velocity=VELOCITY, lift=1.0, scheme=scheme, pic=pic, safety=0.4)
+    start, time, count = method.points.position.copy(), 0.15, 400
+    for _ in range(count):
+        method.advance(time / count)
+    points = method.points
+    flight = time * np.array(VELOCITY)
+    assert np.abs(flight).min() > 1.5 * CELL
+    assert_allclose(points.velocity, np.broadcast_to(VELOCITY, start.shape), rtol=count * ROUNDING)
+    assert_allclose(points.position, start + flight, rtol=0, atol=count * ROUNDING * HEIGHT)
+    strain = count * ROUNDING  # rounding of v over a cell, times v dt / h < 1 each step
+    assert_allclose(points.jacobian, 1.0, rtol=strain)
+    assert_allclose(points.stress, 0.0, atol=method.law.instantaneous_modulus * strain)
+    assert method.lost() == 0
+
+
+@SCHEMES_AND_STEPS
+@pytest.mark.parametrize("pic", [0.0, 0.4])
+def test_momentum_is_kept_without_a_wall(scheme: str, count: int, pic: float) -> None:
+    method = rod(velocity=stirred(rod(lift=6.0).body.position), lift=6.0, scheme=scheme, pic=pic)
+    start = method.totals()
+    steps(method, count)
+    assert np.abs(method.points.stress).max() > 0.1  # MPa: forces there were
+    assert_array_equal(method.totals().impulse, 0.0)
+    assert_momentum_kept(method, start, count)
+
+
+@SCHEMES_AND_STEPS
+@pytest.mark.parametrize("pic", [0.0, 0.4])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_wall_impulse_is_the_change_of_momentum(scheme: str, count: int, pic: float, friction: float) -> None:
+    method = rod(velocity=(20.0, 5.0, -100.0), walls=(RigidWall(0.0, friction),), scheme=scheme, pic=pic)
+    start = method.totals()
+    steps(method, count)
+    impulse = method.totals().impulse
+    assert impulse[2] > 0.1 * start.mass * 100.0
+    assert (impulse[0] < 0.0) == (friction > 0.0)
+    assert np.hypot(*impulse[:2]) <= friction * impulse[2] * (1 + ROUNDING)
+    assert_momentum_kept(method, start, count)
+
+
+def test_energy_of_a_small_vibration_closes_to_first_order_in_the_time_step() -> None:
+    errors = []
+    for safety in (0.2, 0.1, 0.05):
+        motion = 0.2 * (rod(lift=6.0).body.position - [0.0, 0.0, 9.0]) * [1.0, -0.6, -1.5]
+        method = rod(ELASTIC, motion, lift=6.0, safety=safety, viscosity=(0.0, 0.0))
+        start = method.totals()
+        advance(method, 0.02)
+        errors.append(missing(start, method.totals()))
+    assert_allclose([errors[0] / errors[1], errors[1] / errors[2]], 2.0, rtol=0.15)
+    # what stays is of the strain's size: rate-form shear stores no exact energy
+    assert abs(2 * errors[2] - errors[1]) < np.abs(method.points.stress).max() / (2 * SHEAR_SHORT)
+
+
+@pytest.mark.parametrize("cell", [1.0, 0.5])
+def test_impact_leaves_in_the_energy_balance_only_what_nodes_do_not_see(cell: float) -> None:
+    """Of the cell that stops, with two points per axis, points and nodes lose unequal energies.
+
+    Stopped wall nodes turn the points' velocities from -v to -v + 1.6 N v, so that N (3/4, 1/4) sees them at rest:
+    the points lose (4/5) h/L of the body's energy. The nodes, of half a cell's mass, are stopped again and again with
+    3/8 of the speed before: 1/2 / (1 - 9/64) h/L = (32/55) h/L. The ledger misses the difference, 12/55 h/L.
+    """
+    found = []
+    for safety in (0.05, 0.025):
+        method = rod(velocity=(0.0, 0.0, -1.0), walls=(RigidWall(0.0, 0.0),), cell=cell, safety=safety)
+        start = method.totals()
+        advance(method, 0.01)
+        now = method.totals()
+        found.append((now.contact / start.kinetic, missing(start, now)))
+    contact, rest = 2 * np.array(found[1]) - found[0]  # at no time step: the rest of the error is of first order
+    assert_allclose(contact, 32 / 55 * cell / HEIGHT, rtol=0.02)
+    assert_allclose(rest, 12 / 55 * cell / HEIGHT, rtol=0.05)
+
+
+def test_sliding_block_feels_coulomb_friction() -> None:
+    friction, speed = 0.2, 20.0
+    # in this order: friction sees no speed that rollers take away
+    walls = (Symmetry(1, 0.0), Symmetry(1, 2.0), RigidWall(0.0, friction))
+    box = Box((-3.0, 0.0, 0.0), (9.0, 2.0, 8.0))
+    method = rod(ELASTIC, (speed, 0.0, -1.0), walls, body=block(CELL, 4, 2, 3), box=box)
+    for _ in range(20):  # less than the 1/4 mm after which points reach nodes that are still empty and swing freely
+        before = method.totals().impulse
+        steps(method, 1)
+        push = method.totals().impulse - before
+        assert_allclose(push[0], -friction * push[2], rtol=1e-10, atol=1e-18)
+    now = method.totals()
+    assert now.impulse[2] > method.totals().mass * 1.0  # pressed and on its way back
+    # each bit of impulse works on nodes that still slide nearly at the speed of the start
+    assert_allclose(now.friction, -now.impulse[0] * speed, rtol=0.05)
+
+
+def test_slow_block_sticks_and_no_more() -> None:
+    slide, speed = 0.1, 10.0
+    wall = RigidWall(0.0, 0.5)
+    method = rod(ELASTIC, (slide, 0.0, -speed), (wall,), body=block(CELL, 3, 3, 3), box=Box((-1, -1, 0), (4, 4, 8)))
+    steps(method, 1)
+    foot = method.points.mass[0] * 6 * 6  # the wall's nodes carry 3/4 + 1/4 of a point per column of points
+    assert_allclose(method.totals().impulse, [-foot * slide, 0.0, foot * speed], rtol=1e-12, atol=1e-15)
+
+
+def test_rollers_do_no_work() -> None:
+    method = column(20, ELASTIC, velocity=lambda z: np.full_like(z, -0.01))
+    start = method.totals().kinetic
+    advance(method, 0.01)
+    assert abs(method.totals().friction) < 1e-6 * start
+
+
+def assert_same_bits(one: dict[str, Any], other: dict[str, Any]) -> None:
+    assert one.keys() == other.keys()
+    for name, values in one.items():
+        assert_array_equal(values, other[name], err_msg=name)
+
+
+def impact(box: Box = BOX) -> MaterialPointMethod:
+    return rod(velocity=(3.0, 1.0, -100.0), walls=(RigidWall(0.0, 0.1),), cell=0.5, box=box)
+
+
+def test_thread_count_changes_no_bit() -> None:
+    if THREADS < 2:
+        pytest.skip("one core")
+    states = []
+    for threads in (1, 2):
+        numba.set_num_threads(threads)
+        states.append(steps(impact(), 40).state())
+    assert_same_bits(*states)
+
+
+def test_larger_box_changes_no_bit() -> None:
+    larger = Box(BOX.low, (60.0, 60.0, 200.0))
+    one, other = steps(impact(), 40), steps(impact(larger), 40)
+    assert_same_bits(one.points._asdict(), other.points._asdict())
+    assert_array_equal(one.tally, other.tally)
+    assert one.stable_step() == other.stable_step()
+
+
+def test_box_that_begins_further_away_changes_only_roundings() -> None:
+    further = Box((-60.0, -60.0, 0.0), (60.0, 60.0, 200.0))
+    one, other = steps(impact(), 20).points, steps(impact(further), 20).points
+    # positions counted from -60 mm lose a digit; forces of 20 steps multiply that by stiffness, not by more
+    assert_allclose(other.position, one.position, rtol=0, atol=1e-9)
+    assert_allclose(other.velocity, one.velocity, rtol=0, atol=1e-7)
+
+
+def test_restored_run_goes_on_bit_for_bit() -> None:
+    straight = steps(impact(), 20)
+    saved = straight.state()
+    resumed = impact()
+    resumed.restore(saved)
+    assert_same_bits(steps(straight, 20).state(), steps(resumed, 20).state())
+    assert_array_equal(straight.totals().impulse, resumed.totals().impulse)
+
+
+def test_points_that_leave_the_box_are_counted_and_stay_in_the_balance() -> None:
+    top, speed, time = 9.0, 40.0, 0.1
+    method = rod(velocity=(0.0, 0.0, speed), lift=1.0, box=Box(BOX.low, (6.0, 6.0, top)))
+    start = method.totals()
+    advance(method, time)
+    gone = method.body.position[:, 2] + speed * time > top
+    assert 0 < method.lost() == gone.sum() < len(gone)
+    assert_array_equal(np.isnan(method.positions()).all(axis=1), gone)
+    assert_allclose(method.totals().kinetic, start.kinetic, rtol=1e-10)
+    assert_allclose(method.totals().momentum, start.momentum, rtol=0, atol=1e-10 * start.mass * speed)
+
+
+def test_losing_stressed_points_keeps_momentum() -> None:
+    motion = stirred(rod(lift=6.0).body.position) + [0.0, 0.0, 30.0]
+    method = rod(velocity=motion, lift=6.0, box=Box(BOX.low, (6.0, 6.0, 12.2)))
+    start = method.totals()
+    steps(method, 100)
+    assert 0 < method.lost() < len(method.body.volume) // 2
+    assert_momentum_kept(method, start, 100)

@@ -27,8 +27,10 @@ clean:
 
 # uv where it exists, else venv and pip
 $(VENV)/bin/python:
-	@if command -v uv >/dev/null 2>&1; then uv venv --quiet --allow-existing $(VENV); \
+	@if command -v uv >/dev/null 2>&1; then uv venv --quiet --seed --allow-existing $(VENV); \
 	else python3 -m venv $(VENV); fi
+
+comma := ,
 
 define install
 	@if command -v uv >/dev/null 2>&1; then uv pip install --quiet --python $(RUN)/python -e '.$(1)'; \
@@ -40,5 +42,5 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
 	$(call install,)
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/python
-	$(call install,[test,lint])
+	$(call install,[test$(comma)lint])
 	@touch $(VENV)/.installed

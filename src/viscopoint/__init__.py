@@ -46,6 +46,10 @@ _HOME = {
 }
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 def __getattr__(name: str) -> Any:
     """Import what is asked for, and only that: ``viscopoint --help`` need not wait for the compiler."""
     if name not in _HOME:

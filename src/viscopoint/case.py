@@ -79,19 +79,38 @@ class Case(Table):
             result = merged(result, _nested(key, value))
         return self.from_tables(result, "the changed case")
 
+    def resolved(self) -> Self:
+        """Return the case with what it leaves to be derived from other keys (the box) spelt out."""
+        return self.model_copy(update={"method": self.method.completed(self.rod, self.impact)})
+
     def to_tables(self) -> dict[str, Any]:
-        """Return the tables of a TOML file that gives this case, with every default spelt out."""
+        """Return the tables of a TOML file that gives this case, with defaults."""
         return self.model_dump(mode="json", exclude_none=True)
 
     def to_toml(self) -> str:
         """Return the text of a TOML file that gives this case."""
         return tomli_w.dumps(self.to_tables())
 
+    @classmethod
+    def file_schema(cls) -> dict[str, Any]:
+        """Return the JSON schema of case files: nothing is required, since a file may extend a packaged case."""
+        schema = cls.model_json_schema()
+        schema["properties"]["extends"] = {
+            "type": "string",
+            "enum": list(packaged()),
+            "description": "a packaged case over whose keys those of this file are put",
+        }
+        for table in (schema, *schema["$defs"].values()):
+            table.pop("required", None)
+            for key in table["properties"].values():
+                if key.get("type") == "string" and not isinstance(key.get("default", ""), str):
+                    key.pop("default")  # a number inside, text with a unit in the file
+        return schema
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         for fault in broken(valid_values(type(self), self.to_tables())):
             raise PydanticCustomError("misfit", "{fault}", {"fault": str(fault)})
-        object.__setattr__(self, "method", self.method.completed(self.rod, self.impact))
         return self
 
 
@@ -123,7 +142,7 @@ def _nested(key: str, value: Any) -> dict[str, Any]:
 
 def _read(source: str | Path) -> dict[str, Any]:
     path = Path(source)
-    if path.suffix != ".toml" and not path.is_file():
+    if path.suffix != ".toml" and not _is_file(path):
         names = packaged()
         if str(source) not in names:
             raise InputError(f"there is no case '{source}', neither packaged nor a file; {nearest(str(source), names)}")
@@ -131,11 +150,18 @@ def _read(source: str | Path) -> dict[str, Any]:
     try:
         if path.stat().st_size > LONGEST_FILE:
             raise InputError(f"case file {path}: larger than {LONGEST_FILE} bytes, so not a case")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(f"case file {path}: cannot be read ({error.strerror})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise InputError(f"case file {path}: not TOML ({error})") from None
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # such as a name too long
+        return False
 
 
 def _with_base(tables: dict[str, Any], source: str) -> dict[str, Any]:
@@ -144,7 +170,7 @@ def _with_base(tables: dict[str, Any], source: str) -> dict[str, Any]:
         return tables
     names = packaged()
     base = tables["extends"]
-    if base not in names:
+    if not isinstance(base, str) or base not in names:
         raise CaseError(source, [Fault("extends", f"{base!r} is no packaged case; {nearest(str(base), names)}")])
     rest = {key: value for key, value in tables.items() if key != "extends"}
     return merged(_with_base(_read(base), base), rest)

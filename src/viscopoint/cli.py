@@ -30,6 +30,23 @@ Set = Annotated[
 ]
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"viscopoint {version('viscopoint')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Take what comes before the command."""
+
+
 @app.command()
 def run(
     case: CaseName,
@@ -101,7 +118,7 @@ def schema() -> None:
 
         from viscopoint.case import Case
 
-        typer.echo(json.dumps(Case.model_json_schema(), indent=2))
+        typer.echo(json.dumps(Case.file_schema(), indent=2))
 
 
 def main() -> None:
@@ -119,6 +136,9 @@ def _messages() -> Any:
     except ViscopointError as error:
         typer.echo(f"viscopoint: {error}", err=True)
         raise typer.Exit(error.exit_code) from None
+    except KeyboardInterrupt:
+        typer.echo("viscopoint: interrupted", err=True)
+        raise typer.Exit(130) from None
 
 
 def _changes(settings: list[str] | None) -> dict[str, Any]:
@@ -177,18 +197,17 @@ def _print_summary(run: "Run") -> None:
     from rich.console import Console
     from rich.table import Table
 
-    heads = ("length", "foot radius", "greatest radius", "velocity", "kinetic", "impulse", "ledger", "points")
-    units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "%", "lost")
+    heads = ("length", "foot r", "greatest r", "velocity", "kinetic", "impulse", "ledger", "lost")
+    units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "%", "points")
     table = Table("time\nus", *(f"{head}\n{unit}" for head, unit in zip(heads, units, strict=True)), box=None)
     for column in table.columns:
         column.justify = "right"
-    energy = run.summary.get("initial_kinetic_energy [mJ]")
-    for row in run.summary.get("snapshots", []):
-        values = (row["length"], row["foot_radius"], row["greatest_radius"], row["velocity"], row["kinetic"])
-        ledger = 100.0 * row["numerical"] / energy
+    for row in run.rows:
+        ledger = 100.0 * row.numerical / run.summary["initial_kinetic_energy [mJ]"]
         table.add_row(
-            f"{row['time'] * 1e3:g}", *(f"{value:.3f}" for value in values),
-            f"{row['wall_impulse']:.3f}", f"{ledger:+.2f}", str(row["points_lost"]),
+            f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.foot_radius:.3f}", f"{row.greatest_radius:.3f}",
+            f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{ledger:+.2f}",
+            str(row.points_lost),
         )  # fmt: skip
     console = Console(width=None if sys.stdout.isatty() else 100, highlight=False)
     if run.case.title:
@@ -203,9 +222,9 @@ def _ending(run: "Run") -> str:
     if run.status == "running":
         return f"not finished: still running, or killed; {run.folder}"
     pace = facts["points"] * facts["steps"] / max(facts["wall_time [s]"], 1e-3) / 1e6
+    gone = run.rows[-1].points_lost if run.rows else 0
+    lost = f", {gone} points left the box" if gone else ""
     ended = "complete" if run.status == "complete" else f"INCOMPLETE ({facts['reason']})"
-    return (
-        f"{ended}: {facts['points']} points, {facts['steps']} steps in {facts['wall_time [s]']:.2f} s "
-        f"({pace:.1f} M point-steps/s), ledger within {facts['energy_error [%]']:.2f} % of the initial kinetic energy\n"
-        f"{run.folder}"
-    )
+    work = f"{facts['points']} points, {facts['steps']} steps in {facts['wall_time [s]']:.2f} s"
+    ledger = f"ledger within {facts['energy_error [%]']:.2f} % of the initial kinetic energy"
+    return f"{ended}: {work} ({pace:.1f} M point-steps/s), {ledger}{lost}\n{run.folder}"

@@ -1,6 +1,8 @@
 """Puts what pydantic found wrong into words that name the key, the value and what is allowed."""
 
 import contextlib
+import json
+import re
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, get_args, get_origin
 
@@ -11,6 +13,7 @@ from viscopoint.errors import Fault, nearest
 from viscopoint.units import Quantity
 
 _CONFIG = ConfigDict(strict=True, allow_inf_nan=False)
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
 _BOUNDS = {
     "greater_than": ("gt", "must be greater than"),
     "greater_than_equal": ("ge", "must not be less than"),
@@ -40,7 +43,7 @@ def explain(detail: Mapping[str, Any], case: type[BaseModel], tables: Mapping[st
     if kind == "extra_forbidden":
         return Fault(key, f"unknown key; {nearest(key.rpartition('.')[2], table.model_fields)}")
     if kind == "missing":
-        return Fault(key, f"is missing{_example(field)}")
+        return Fault(key, f"is missing{_example(key, field)}")
     if kind in ("quantity", "word"):
         return Fault(key, f"{given} {detail['msg']}")
     if kind in _BOUNDS:
@@ -97,7 +100,10 @@ def _at(tables: Any, key: str, otherwise: Any) -> Any:
 
 def _shown(value: Any) -> str:
     """Return a value as a message shows it: short, and on one line."""
-    text = f'"{value}"' if isinstance(value, str) else repr(value)
+    try:
+        text = f'"{value}"' if isinstance(value, str) else repr(value)
+    except RecursionError:
+        text = "a value nested too deeply"
     text = text.replace("\n", " ")
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -112,7 +118,8 @@ def _where(place: tuple[int | str, ...], case: type[BaseModel]) -> tuple[str, ty
         if chosen:  # not a key, but which of several tables pydantic took
             table, choices, field = chosen[0], [], None
             continue
-        key += f"[{step}]" if isinstance(step, int) else f".{step}" if key else step
+        name = step if _BARE.fullmatch(str(step)) else json.dumps(step)
+        key += f"[{step}]" if isinstance(step, int) else f".{name}" if key else str(name)
         field = table.model_fields.get(str(step))
         choices = list(_tables(field.annotation)) if field else []
         if len(choices) == 1:
@@ -131,6 +138,8 @@ def _tables(annotation: Any) -> Iterator[type[BaseModel]]:
         yield from _tables(part)
 
 
-def _example(field: FieldInfo | None) -> str:
+def _example(key: str, field: FieldInfo | None) -> str:
     quantities = [part for part in field.metadata if isinstance(part, Quantity)] if field else []
+    if field and any(_tables(field.annotation)):
+        return f"; write a table [{key}], such as `viscopoint new` shows"
     return f'; write a {quantities[0].name} such as "{quantities[0].example}"' if quantities else ""

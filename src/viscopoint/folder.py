@@ -1,5 +1,6 @@
 """The run folder: made, filled while the run goes on, and completed at its end."""
 
+import contextlib
 import json
 import os
 import shutil
@@ -11,6 +12,7 @@ from viscopoint.ledger import UNITS, Row
 from viscopoint.simulation import Outcome
 
 CASE, PROVENANCE, SUMMARY, FIGURES = "case.toml", "provenance.json", "summary.json", "figures"
+NUMBERS = ("wall_time [s]", "initial_kinetic_energy [mJ]", "energy_error [%]", "momentum_error [N ms]")  # of a summary
 
 
 def create(folder: Path, force: bool) -> None:
@@ -19,30 +21,35 @@ def create(folder: Path, force: bool) -> None:
     Raises:
         InputError: there is something already, or the place cannot be written.
     """
-    if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
-        if not (folder / PROVENANCE).is_file():
-            raise InputError(f"output folder {folder}: already there, and no run folder; choose another place")
-        if not force:
-            raise InputError(f"output folder {folder}: already there; --force replaces it, --out chooses another place")
-    place = next(parent for parent in (folder.absolute(), *folder.absolute().parents) if parent.exists())
-    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
-        raise InputError(f"output folder {folder}: cannot be made, {place} is not a folder that can be written")
     try:
-        if folder.exists():
+        if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+            if not (folder / PROVENANCE).is_file():
+                raise InputError(f"output folder {folder}: already there, and no run folder; choose another place")
+            if not force:
+                raise InputError(
+                    f"output folder {folder}: already there; --force replaces it, --out chooses another place"
+                )
             shutil.rmtree(folder)
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / ".try").touch()
+        (folder / ".try").unlink()
     except OSError as error:
-        raise InputError(f"output folder {folder}: cannot be made ({error.strerror})") from None
+        raise InputError(f"output folder {folder}: cannot be made or written ({error.strerror})") from None
 
 
 def write_text(path: Path, text: str) -> None:
     """Write a file whole or not at all."""
     part = path.with_name(f".{path.name}.part")
-    with part.open("w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
+    try:
+        with part.open("w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
 
 
 def write_json(path: Path, data: dict[str, Any]) -> None:
@@ -59,10 +66,13 @@ def summary(outcome: Outcome | None, initial_energy: float, points: int) -> dict
         "reason": outcome.reason,
         "points": points,
         "steps": outcome.steps,
-        "wall_time [s]": round(outcome.wall_time, 3),
-        "initial_kinetic_energy [mJ]": initial_energy,
-        "energy_error [%]": 100 * outcome.energy_error,
-        "momentum_error [N ms]": outcome.momentum_error,
+        **dict(
+            zip(
+                NUMBERS,
+                (outcome.wall_time, initial_energy, 100 * outcome.energy_error, outcome.momentum_error),
+                strict=True,
+            )
+        ),
         "units": UNITS,
         "snapshots": [_finite(row) for row in outcome.rows],
     }

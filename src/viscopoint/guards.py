@@ -18,8 +18,10 @@ def check_row(row: Row, initial_energy: float, limits: Guards) -> None:
             raise _stopped(
                 row.time,
                 f"{name} is not finite",
-                "the integration became unstable, or no point is left in the box; take a smaller method.safety, or the "
-                "scheme 'musl' instead of 'usl', whose nodes of nearly no mass run away",
+                f"{row.points_lost} points left the box; give it more room (method.box)"
+                if row.points_lost
+                else "the integration became unstable; take a smaller method.safety, or the scheme 'musl' instead of "
+                "'usl', whose nodes of nearly no mass run away",
             )
     share = row.numerical / initial_energy
     if abs(share) > limits.energy_error:

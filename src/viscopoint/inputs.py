@@ -48,7 +48,7 @@ class Time(Table):
 
 @rule("time.snapshots", "time.end")
 def snapshots_before_the_end(snapshots: tuple[float, ...], end: float) -> str | None:
-    late = [f"{instant * 1e3:g} us" for instant in snapshots if instant > end * (1 + 1e-12)]
+    late = [f"{instant * 1e3:.12g} us" for instant in snapshots if instant > end * (1 + 1e-12)]
     return f"{', '.join(late[:5])}: after time.end, {end * 1e3:g} us" if late else None
 
 

@@ -19,7 +19,9 @@ class Row(NamedTuple):
     """The state of a run at one time; ``UNITS`` has the unit of each entry.
 
     Energies close by construction: ``numerical`` is what the initial kinetic energy exceeds the sum of the others by,
-    and so what transfers and time integration lost (or, below zero, gained).
+    and so what transfers and time integration lost (or, below zero, gained). A rigid wall does no work: ``contact`` is
+    the kinetic energy of the grid's nodes that it stops, a loss of the method of first order in the cell. Points that
+    left the box keep the energy and momentum they had, and count.
     """
 
     time: Time

@@ -24,7 +24,6 @@ class Totals(NamedTuple):
     momentum: Array  # [3], N ms
     impulse: Array  # [3], of the boundaries on the body, N ms
     mass: float  # g
-    centre: Array  # [3], of mass, mm
 
 
 class Method(Protocol):

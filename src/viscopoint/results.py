@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from viscopoint.body import Body
 from viscopoint.case import Case
 from viscopoint.errors import InputError
-from viscopoint.folder import CASE, FIGURES, PROVENANCE, SUMMARY
+from viscopoint.folder import CASE, FIGURES, NUMBERS, PROVENANCE, SUMMARY
 from viscopoint.gauges import profile
+from viscopoint.ledger import Row
 from viscopoint.method import Field
 from viscopoint.output import fields as field_file
 from viscopoint.output import history as history_file
@@ -49,6 +50,7 @@ class Run:
             found = self.provenance.get("format")
             raise InputError(f"run folder {folder}: format {found}, but this version reads format {FORMAT}")
         self.summary = self._json(SUMMARY)
+        self.rows = self._rows()
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r}, {self.status})"
@@ -91,9 +93,9 @@ class Run:
         """Return the fields at a time such as "20 us", or those of a snapshot by its number (-1: the last).
 
         Raises:
-            InputError: the run has no snapshot at this time.
+            InputError: the run has no such snapshot.
         """
-        number = range(len(self.times))[time] if isinstance(time, int) else self._number(time)
+        number = self._number(time) if isinstance(time, str) else self._counted(time)
         return Snapshot(float(self.times[number]), field_file.read(self._file(field_file.NAME), number))
 
     def profile(self, snapshot: Snapshot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -106,6 +108,30 @@ class Run:
         from viscopoint.figures import draw_all
 
         return draw_all(self, self.folder / FIGURES)
+
+    def _counted(self, number: int) -> int:
+        try:
+            return range(len(self.times))[number]
+        except (IndexError, TypeError):
+            count = len(self.times)
+            raise InputError(
+                f"run folder {self.folder}: no snapshot {number!r}; give a number below {count}, or a time such as "
+                '"20 us"'
+            ) from None
+
+    def _rows(self) -> list[Row]:
+        """Return the rows of the summary; raise ``InputError`` if it is not one of ours."""
+        try:
+            if self.summary["status"] not in ("running", "complete", "stopped", "interrupted"):
+                raise ValueError
+            if self.summary["status"] == "running":
+                return []
+            for key, kind in (("points", int), ("steps", int), ("reason", str), *((key, float) for key in NUMBERS)):
+                if not isinstance(self.summary[key], kind | int):
+                    raise TypeError
+            return [Row(**row) for row in self.summary["snapshots"]]
+        except (KeyError, TypeError, ValueError):
+            raise InputError(f"run folder {self.folder}: {SUMMARY} is not the summary of a run") from None
 
     def _number(self, text: str) -> int:
         try:

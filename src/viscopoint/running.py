@@ -8,13 +8,15 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 from viscopoint.case import Case
-from viscopoint.errors import OutputError
+from viscopoint.errors import InputError, OutputError
 from viscopoint.folder import CASE, PROVENANCE, SUMMARY, create, summary, write_json, write_text
-from viscopoint.model import build
+from viscopoint.model import Model, build
 from viscopoint.output import WRITERS
 from viscopoint.provenance import now, provenance
 from viscopoint.results import Run
 from viscopoint.simulation import Simulation, Watch
+
+MOST_STEPS = 100_000_000
 
 
 def run(
@@ -33,18 +35,19 @@ def run(
         The run. Look at its ``status``: a run that a guard stopped, or Ctrl-C, is returned as far as it went.
 
     Raises:
-        InputError: the folder is already there or cannot be made.
+        InputError: the folder is already there or cannot be made, or the case would take forever.
         OutputError: the results could not be written.
     """
+    model = build(case)
+    _bound_steps(model)
     folder = Path(mkdtemp(prefix="viscopoint-") if out is None else out)
     create(folder, force)
     with _disk_faults(folder):
         made = provenance()
-        write_text(folder / CASE, case.to_toml())
-        write_json(folder / PROVENANCE, made)
-        model = build(case)
         points = len(model.body.position)
+        write_json(folder / PROVENANCE, made)
         write_json(folder / SUMMARY, summary(None, 0.0, points))
+        write_text(folder / CASE, case.resolved().to_toml())
         with contextlib.ExitStack() as stack:
             writers = [stack.enter_context(contextlib.closing(make(folder))) for make in WRITERS]
             simulation = Simulation(model, writers, watch)
@@ -54,9 +57,19 @@ def run(
         result = Run(folder)
         if out is None:
             weakref.finalize(result, shutil.rmtree, folder, ignore_errors=True)
-        if figures:
+        if figures and outcome.rows:
             result.draw()
         return result
+
+
+def _bound_steps(model: Model) -> None:
+    """Refuse a case that would never end, before anything is written."""
+    end, step = model.case.time.end, model.method.stable_step()
+    if not end / MOST_STEPS < step:
+        raise InputError(
+            f"time.end: {end * 1e3:g} us at a stable step of {step * 1e3:.3g} us takes more than {MOST_STEPS:,} steps; "
+            "check the units of material and method"
+        )
 
 
 @contextlib.contextmanager

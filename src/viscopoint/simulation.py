@@ -85,8 +85,8 @@ class Simulation:
         if self.watch:
             self.watch(self.time / self.model.case.time.end, row)
         energy = self.ledger.start.kinetic + self.ledger.start.stored
-        check_row(row, energy, self.model.case.guards)
         self.errors = (max(self.errors[0], abs(row.numerical) / energy), max(self.errors[1], row.momentum_error))
+        check_row(row, energy, self.model.case.guards)
         return row
 
     def _snapshot(self, row: Row) -> None:

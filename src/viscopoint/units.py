@@ -13,10 +13,13 @@ import pint
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:inf|infinity|nan))\s*(.*)", re.I | re.S)
+_NUMBER = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|[+-]?(?:inf|infinity|nan))\s*(.*)", re.I | re.S | re.A
+)
 _FACTOR = r"(?:1|[A-Za-zµμ]+(?:(?:\^|\*\*)-?\d)?)"
 _UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/ ]\s*{_FACTOR})*")
 _LONGEST = 100  # characters; a quantity is never longer
+_LARGEST = 1e15  # of a unit; beyond it, or below its inverse, products overflow and nothing physical is left
 
 
 @functools.cache
@@ -48,8 +51,8 @@ def parse(text: str, unit: str) -> float:
         raise ValueError(f"has the wrong dimension, {error.dim1 or 'none'}") from None
     except Exception:  # pint's parser raises errors of many kinds for what is not a unit
         raise ValueError(f"has no known unit ('{symbol}')") from None
-    if not math.isfinite(value):
-        raise ValueError("is not finite")
+    if value and not 1 / _LARGEST <= abs(value) <= _LARGEST:
+        raise ValueError(f"is out of range, {1 / _LARGEST:g} to {_LARGEST:g} {unit}")
     return float(value)
 
 

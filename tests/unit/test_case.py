@@ -89,6 +89,11 @@ def test_units_of_the_same_dimension_are_converted():
         ("method.box.x", ["-3 mm", "6 mm"], "cuts the rod"),
         ("method.box.y", ["-6 mm", "3 mm"], "cuts the rod"),
         ("method.box.z", ["-0.01 mm", "20 mm"], "cuts the rod"),
+        ("rod.radius", "1e200 mm", "out of range"),
+        ("method.spacing", "1e-110 mm", "out of range"),
+        ("rod.radius", "\u0664 mm", "not a number"),
+        ("method.box.x", ["-1e14 mm", "6 mm"], "at most 1,000,000 are allowed"),
+        ("method.box.z", ["-0.01 mm", "1e12 mm"], "at most 1,000,000 are allowed"),
         ("method.box.z", ["0 mm", "30 mm"], "cuts the rod or the wall"),
         ("method.box.z", ["-0.21 mm", "30 mm"], "between planes of the grid"),
         ("method.box.x", ["-6 mm"], "is missing"),
@@ -148,10 +153,14 @@ def test_a_table_of_another_law_starts_afresh():
 def test_default_box_reaches_from_the_wall_around_the_rod():
     tables = vp.Case.load("paper").to_tables()
     del tables["method"]["box"]
-    box = vp.Case.from_tables(tables).method.box
+    case = vp.Case.from_tables(tables)
+    box = case.resolved().method.box
     assert box is not None
     assert box.x == (-4 * 3.8, 4 * 3.8)
     assert box.z == (-0.01, 2 * 25.4)
+    thick = case.with_(rod={"radius": "20 mm"}, impact={"gap": "5 mm"}).resolved().method.box  # the box follows
+    assert thick is not None
+    assert (thick.x, thick.z) == ((-80.0, 80.0), (-5.0, 2 * 25.4))
 
 
 @pytest.mark.parametrize("text", ["rod = 3 3", "\x00", "[a]\n[a]", "a = " + "[" * 5000])
@@ -182,9 +191,10 @@ def test_a_file_may_extend_only_a_packaged_case(tmp_path):
 
 
 def test_schema_describes_every_key_of_the_paper_s_case():
-    schema = vp.Case.model_json_schema()
+    schema = vp.Case.file_schema()
     json.dumps(schema)
-    assert {"rod", "impact", "material", "method", "time"} <= set(schema["required"])
+    assert {"rod", "impact", "material", "method", "time", "extends"} <= set(schema["properties"])
+    assert "required" not in schema["$defs"]["Rod"]
     assert schema["$defs"]["Rod"]["properties"]["radius"]["examples"] == ["0.5 mm"]
     laws = schema["properties"]["material"]["discriminator"]["mapping"]
     assert "linear-viscoelastic-plastic" in laws

@@ -5,7 +5,7 @@ from viscopoint.guards import GuardError, check_row, check_step
 from viscopoint.inputs import Guards
 from viscopoint.ledger import Row
 
-ROW = Row(*[0.0] * len(Row._fields))._replace(time=0.0123, numerical=1.0)
+ROW = Row._make([0] * len(Row._fields))._replace(time=0.0123, numerical=1.0)
 
 
 def test_a_sound_row_passes():

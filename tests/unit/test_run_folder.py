@@ -1,4 +1,5 @@
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,8 @@ def test_snapshots_are_hit_exactly(finished: Path):
         run.snapshot("1.5 us")
     with pytest.raises(vp.InputError, match="write a time"):
         run.snapshot("1.5")
+    with pytest.raises(vp.InputError, match="no snapshot 99"):
+        run.snapshot(99)
 
 
 def test_history_has_a_unit_for_every_column(finished: Path):
@@ -111,6 +114,20 @@ def test_a_run_without_folder_lives_as_long_as_its_object(quick: vp.Case):
     assert folder.is_dir()
     del run
     assert not folder.exists()
+
+
+def test_a_full_disk_ends_with_an_output_error_and_keeps_what_is_there(
+    quick: vp.Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    usage = shutil.disk_usage(tmp_path)
+
+    def nearly_full(path: Path) -> object:
+        return usage._replace(free=1_000_000)
+
+    monkeypatch.setattr(field_file.shutil, "disk_usage", nearly_full)
+    with pytest.raises(vp.OutputError, match="No space left on device"):
+        vp.run(quick, tmp_path / "run")
+    assert vp.Run(tmp_path / "run").status == "running"
 
 
 def test_a_vanished_folder_ends_with_an_output_error(quick: vp.Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -31,8 +31,8 @@ def test_elastic_control_agrees_with_public_codes(runs: dict[str, vp.Run]):
     assert end["lowest_point"] == pytest.approx(0.13, abs=0.02)
     assert end["highest_point"] == pytest.approx(22.26, abs=0.02)
     assert end["widest_point"] == pytest.approx(4.19, abs=0.03)
-    # theirs differ from each other by 3 m/s, ours from the nearest by as much
-    assert end["velocity"] == pytest.approx(-73.5, abs=4.5)
+    # on a grid the wall is felt up to a cell early; half a cell of its position is worth 3.4 m/s (docs/verification.md)
+    assert end["velocity"] == pytest.approx(-73.5, abs=3.4)
 
 
 @pytest.mark.parametrize(("name", "radius"), [("paper-6.5", 4.20), ("paper-65", 4.39), ("paper", 5.37)])

@@ -28,6 +28,15 @@ STYLE: Any = {
 COLOURS = "viridis"
 
 
+MOST = 8  # snapshots in one figure
+
+
+def chosen(run: "Run") -> list[int]:
+    """Return the numbers of up to ``MOST`` snapshots, evenly spread, the first and the last among them."""
+    last = len(run.times) - 1
+    return sorted({round(last * share / (MOST - 1)) for share in range(MOST)})
+
+
 def offer(name: str) -> "Callable[[Callable[[Run], Figure]], Callable[[Run], Figure]]":
     """Let every run draw the decorated figure as ``name``.png."""
 

@@ -4,7 +4,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from viscopoint.figures import COLOURS, offer
+from viscopoint.figures import COLOURS, chosen, offer
 from viscopoint.results import Run
 
 
@@ -13,13 +13,14 @@ def profiles(run: Run) -> Figure:
     """Draw the outline, both sides of the axis to scale."""
     figure = Figure(figsize=(8.0, 3.6), layout="constrained")
     axis = figure.subplots()
-    colours = matplotlib.colormaps[COLOURS](np.linspace(0.0, 0.9, len(run.times)))
-    for number, colour in enumerate(colours):
+    numbers = chosen(run)
+    colours = matplotlib.colormaps[COLOURS](np.linspace(0.0, 0.9, len(numbers)))
+    for number, colour in zip(numbers, colours, strict=True):
         snapshot = run.snapshot(number)
         height, radius = run.profile(snapshot)
         axis.plot(height, radius, color=colour, label=f"{snapshot.time * 1e3:g} µs")
         axis.plot(height, -radius, color=colour)
     axis.axvline(-run.case.impact.gap, color="0.3", linewidth=1.0)
     axis.set(xlabel="z (mm), wall at the left", ylabel="r (mm)", aspect="equal")
-    axis.legend(ncols=min(len(run.times), 8), loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    axis.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return figure

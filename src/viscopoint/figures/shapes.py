@@ -8,19 +8,17 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from viscopoint.figures import COLOURS, offer
+from viscopoint.figures import COLOURS, chosen, offer
 from viscopoint.results import Run, Snapshot
 
 TILT = np.radians(15.0)  # the camera looks down on the rod by this angle
-MOST = 8  # snapshots side by side
 COVER = 1.5  # width of a point's disc in spacings
 
 
 @offer("shapes")
 def shapes(run: Run) -> Figure:
-    """Draw up to eight snapshots, the first and the last among them."""
-    numbers = np.unique(np.linspace(0, len(run.times) - 1, MOST).round().astype(int))
-    snapshots = [run.snapshot(int(number)) for number in numbers]
+    """Draw snapshots side by side."""
+    snapshots = [run.snapshot(number) for number in chosen(run)]
     speeds = [snapshot["velocity"][snapshot["lost"] == 0, 2] for snapshot in snapshots]
     colours = Normalize(min(v.min(initial=0.0) for v in speeds), max(v.max(initial=0.0) for v in speeds))
     reach = 1.1 * max(float(np.abs(snapshot["position"][:, :2]).max()) for snapshot in snapshots)
@@ -28,7 +26,7 @@ def shapes(run: Run) -> Figure:
     low = -np.sin(TILT) * reach
 
     figure = Figure(figsize=(1.2 + 1.7 * len(snapshots), 8.0), layout="constrained")
-    axes = figure.subplots(2, len(snapshots), sharex=True, sharey=True, squeeze=False)
+    axes = figure.subplots(2, len(snapshots), sharex=True, squeeze=False)
     for column, snapshot in enumerate(snapshots):
         _outside(axes[0, column], run, snapshot, colours)
         _section(axes[1, column], run, snapshot, colours)
@@ -37,7 +35,10 @@ def shapes(run: Run) -> Figure:
         for axis in axes[:, column]:
             axis.set(xlim=(-reach, reach), ylim=(low, top), aspect="equal")
             axis.grid(False)
-    axes[0, 0].set_ylabel("from outside, height (mm)")
+    axes[0, 0].set_ylabel("from outside, looking down a little")
+    for axis in axes[0]:
+        axis.tick_params(left=False, labelleft=False)  # a height in this view is none of the rod
+        axis.spines["left"].set_visible(False)
     axes[1, 0].set_ylabel("cut open, z (mm)")
     scale = ScalarMappable(colours, COLOURS)
     figure.colorbar(scale, ax=axes, label="axial velocity (m/s)", shrink=0.6)

@@ -4,6 +4,9 @@
 
 A spring G_long beside a Maxwell arm G_short - G_long whose deviatoric stress is the history. Both turn with the
 material (Jaumann rate) and the arm is integrated exactly for a constant strain rate over the step (eq. 9).
+
+The law is hypoelastic: no potential gives it where shear and volume change together. The stored energy J S:S / 4G
+differs from the work done by about 1 - J of the shear's share, which appears in the ledger's remainder.
 """
 
 import math

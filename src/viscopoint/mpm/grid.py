@@ -48,7 +48,7 @@ class Grid(NamedTuple):
     velocity: Array  # [n, 4], v_i
     change: Array  # [n, 4], f_i until the nodes are accelerated, then the change of v_i
     order: NDArray[np.uint64]  # [p], points sorted by slab, those outside the box last
-    start: NDArray[np.int64]  # [slabs + 1], where each slab begins in ``order``
+    start: NDArray[np.int64]  # [slabs + 2], where each slab, then what is outside, begins; and the end
     critical: Array  # [slabs], least stable step of each, ms
 
 

@@ -19,6 +19,7 @@ from viscopoint.units import Coordinate, Length
 from viscopoint.viscosity import BulkViscosity
 from viscopoint.wall import RigidWall
 
+MOST_CELLS = 1_000_000  # along an axis; only those around the body take memory
 BYTES_PER_POINT = 600  # points, grid, one snapshot being written: a generous count
 
 
@@ -81,8 +82,9 @@ class MPMInput(Table):
 
     def build(self, rod: Rod, impact: Impact, law: Law) -> MaterialPointMethod:
         """Return the rod as material points on their way to the wall."""
-        assert self.box is not None, "completed() gives every table a box"
-        (x0, x1), (y0, y1), (z0, z1) = self.box.x, self.box.y, self.box.z
+        box = self.completed(rod, impact).box
+        assert box is not None
+        (x0, x1), (y0, y1), (z0, z1) = box.x, box.y, box.z
         choices = Discretisation(
             cell=self.cell,
             box=Box((x0, y0, z0), (x1, y1, z1)),
@@ -123,6 +125,26 @@ def points_within_memory(spacing: float, radius: float, length: float) -> str | 
     if needed <= there:
         return None
     return f"{spacing:g} mm gives {points:.1e} points, about {needed:.3g} GiB; there are {there:.3g}: take a larger one"
+
+
+@rule("method.box.x", "method.cell")
+def countable_cells_in_x(limits: tuple[float, float], cell: float) -> str | None:
+    return _too_far(limits, cell)
+
+
+@rule("method.box.y", "method.cell")
+def countable_cells_in_y(limits: tuple[float, float], cell: float) -> str | None:
+    return _too_far(limits, cell)
+
+
+@rule("method.box.z", "method.cell")
+def countable_cells_in_z(limits: tuple[float, float], cell: float) -> str | None:
+    return _too_far(limits, cell)
+
+
+def _too_far(limits: tuple[float, float], cell: float) -> str | None:
+    cells = (limits[1] - limits[0]) / cell
+    return f"{cells:.1e} cells of {cell:g} mm; at most {MOST_CELLS:,} are allowed" if cells > MOST_CELLS else None
 
 
 @rule("method.box.x", "rod.radius")

@@ -94,7 +94,7 @@ class MaterialPointMethod:
     # --- what the driver and the outputs ask ---
 
     def totals(self) -> Totals:
-        chunks = np.zeros((CHUNKS, 11))
+        chunks = np.zeros((CHUNKS, 8))
         sum_points(self.points, self.law, self.blank, chunks)
         sums = chunks.sum(axis=0)
         return Totals(
@@ -104,7 +104,6 @@ class MaterialPointMethod:
             momentum=sums[5:8],
             impulse=self.tally[:3].copy(),
             mass=float(sums[4]),
-            centre=sums[8:11] / sums[4],
         )
 
     def positions(self) -> Array:

@@ -87,7 +87,7 @@ def update_points(
             write(points.stress[p], stress)
             store(points.history[p], history)
             dissipated[p] += after * loss
-            # the viscous pressure of the step before is what pushed the nodes during this one
+            # the pressure that pushed the nodes since the stress was last updated
             viscous_loss[p] -= before * viscous_pressure[p] * trace(strain)
             rate = trace(strain) * per_dt
             here = sound * math.sqrt(after)
@@ -101,16 +101,16 @@ def update_points(
 
 @kernel
 def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
-    """Sum over each chunk of points: kinetic, stored, law-dissipated, viscous energy; mass; momentum; m x_p.
+    """Sum over each chunk of points: kinetic, stored, law-dissipated, viscous energy; mass; momentum.
 
-    They go into ``sums[chunk, 11]``, in mJ, g, g mm/ms and g mm.
+    They go into ``sums[chunk, 8]``, in mJ, g and g mm/ms. Points that were lost keep what they had and are in it.
     """
     total = len(points.mass)
     for chunk in prange(CHUNKS):
         row = sums[chunk]
         row[:] = 0.0
         for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
-            m, volume, v, x = points.mass[p], points.volume[p], points.velocity[p], points.position[p]
+            m, volume, v = points.mass[p], points.volume[p], points.velocity[p]
             row[0] += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
             row[1] += volume * stored_energy(
                 law, points.jacobian[p], read(points.stress[p]), load(points.history[p], blank)
@@ -120,4 +120,3 @@ def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
             row[4] += m
             for a in range(3):
                 row[5 + a] += m * v[a]
-                row[8 + a] += m * x[a]

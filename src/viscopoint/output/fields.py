@@ -4,6 +4,9 @@ Temporal VTKHDF 2.3 of type UnstructuredGrid, the points as vertices. The cells 
 are appended, and a snapshot counts (``NSteps``) only when all of it is there.
 """
 
+import errno
+import os
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -19,6 +22,7 @@ NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
 VERTEX = 1  # VTK's cell type
 CHUNK = 16_384  # rows compressed together
+RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
 
 
 @offer
@@ -32,6 +36,7 @@ class Fields:
         pass
 
     def snapshot(self, time: float, fields: Mapping[str, Field]) -> None:
+        _ensure_space(self.path.parent, sum(field.values.nbytes for field in fields.values()))
         with _opened(self.path, "a") as file:
             if "VTKHDF" not in file:
                 _begin(file, fields)
@@ -39,6 +44,12 @@ class Fields:
 
     def close(self) -> None:
         pass
+
+
+def _ensure_space(folder: Path, size: int) -> None:
+    """Raise ``OSError`` where a snapshot may not fit: HDF5 does not survive a disk that fills up under it."""
+    if shutil.disk_usage(folder).free < size + RESERVE:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def _begin(file: Any, fields: Mapping[str, Field]) -> None:

@@ -153,7 +153,7 @@ def test_starter_case_shows_the_true_defaults(tmp_path: Path):
     call("new", file)
     lines = file.read_text().splitlines()
     shown = [
-        line[2:] if line.startswith(("# [", "# ")) and not line.startswith("# law") else line for line in lines[3:]
+        line[2:] if line.startswith(("# [", "# ")) and not line.startswith("# law") else line for line in lines[4:]
     ]
     assert any(line.startswith("energy_error") for line in shown)
     assert Case.from_tables(tomllib.loads("\n".join(shown))) == Case.load(file).resolved()

@@ -3,16 +3,13 @@
 VENV := .venv
 RUN := $(VENV)/bin
 
-.PHONY: reproduce test test-long lint bench clean
+.PHONY: reproduce test lint bench clean
 
 reproduce: $(VENV)/.installed  ## run the main job: the paper's rod
 	$(RUN)/viscopoint run paper --force
 
 test: $(VENV)/.installed-dev  ## run the tests
 	$(RUN)/pytest
-
-test-long: $(VENV)/.installed-dev  ## run the studies that take minutes
-	$(RUN)/pytest -m long
 
 lint: $(VENV)/.installed-dev  ## ruff and pyright
 	$(RUN)/ruff check .

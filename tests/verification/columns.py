@@ -2,8 +2,8 @@
 
 Bulk viscosity is off: it would smear the fronts and damp the waves that are compared with exact solutions without it.
 With two points per cell and axis and strains near zero the scheme is linear, and what it does to waves is known. Nodes
-see points through N and points see nodes through N again: a wave's acceleration is
-filtered by F = 1 - 3/8 (1 - cos kh). So leapfrog steps of Courant number C give
+see points through N and points see nodes through N again: a wave's acceleration is filtered by
+F = 1 - 3/8 (1 - cos kh). So leapfrog steps of Courant number C give
 
     sin^2(w dt / 2) = C^2 sin^2(kh / 2) F(kh)    =>    w = c k (1 - DISPERSION (kh)^2 + ...).
 """

@@ -23,10 +23,13 @@ from columns import (
 )
 from numpy.testing import assert_allclose, assert_array_equal
 
+from viscopoint.body import rod_lattice
 from viscopoint.method import Totals
 from viscopoint.mpm.grid import Box
-from viscopoint.mpm.method import MaterialPointMethod
+from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
+from viscopoint.mpm.shapes import SHAPES
+from viscopoint.viscosity import BulkViscosity
 from viscopoint.wall import RigidWall, Symmetry
 
 pytestmark = pytest.mark.usefixtures("one_thread")
@@ -79,6 +82,20 @@ def test_free_flight_changes_nothing(scheme: str, pic: float) -> None:
     assert_allclose(points.jacobian, 1.0, rtol=strain)
     assert_allclose(points.stress, 0.0, atol=method.law.instantaneous_modulus * strain)
     assert method.lost() == 0
+
+
+@pytest.mark.parametrize("scheme", ["musl", "usf"])
+@pytest.mark.parametrize("shift", [0.0, 0.25, 0.5])
+def test_points_that_stand_exactly_on_nodes_fly_freely_too(scheme: str, shift: float) -> None:
+    # spacing 0.5, cell 1: with a shift of 0.25 every other plane of points stands on nodes, some with nothing beyond
+    box = Box((-8.0 + shift, -8.0 + shift, -8.0 + shift), (8.0, 8.0, 20.0))
+    choices = Discretisation(CELL, box, SHAPES["trilinear"], SCHEMES[scheme], 0.0, 0.4, BulkViscosity(0.06, 1.5))
+    method = MaterialPointMethod(rod_lattice(2.0, 6.0, 0.5), ELASTIC, (), choices, VELOCITY)
+    start = method.totals()
+    steps(method, 20)
+    assert_allclose(method.points.velocity, np.broadcast_to(VELOCITY, (len(method.points.mass), 3)), rtol=20 * ROUNDING)
+    assert_allclose(method.points.stress, 0.0, atol=method.law.instantaneous_modulus * 20 * ROUNDING)
+    assert_momentum_kept(method, start, 20)
 
 
 @SCHEMES_AND_STEPS

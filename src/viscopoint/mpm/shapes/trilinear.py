@@ -13,8 +13,13 @@ class Trilinear(NamedTuple):
     """N = 1 - |s| over one cell either side."""
 
 
+# A point on a node would give no mass to its neighbour beyond, which still enters the gradient and would seem at rest.
+# So no weight is zero: the neighbour of nearly no mass moves like the point, as it does for points beside the node.
+LEAST = 1e-12
+
+
 @implements(stencil, Trilinear)
 def linear(shape: Trilinear, place: float) -> tuple[np.uint64, Weights, Weights]:
     first = np.uint64(place)
-    beyond = place - first
+    beyond = max(place - first, LEAST)
     return first, (1.0 - beyond, beyond), (-1.0, 1.0)

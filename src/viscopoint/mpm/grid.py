@@ -69,8 +69,8 @@ def around_points(grid: Grid, points: Points, box: Box) -> Grid:
     slabs = len(grid.critical)
     slab = np.empty(len(grid.order), np.int32)
     count = np.zeros((CHUNKS, slabs + 1), np.int64)
-    least = np.full((CHUNKS, 3), np.iinfo(np.int64).max)
-    most = np.full((CHUNKS, 3), -1)
+    least = np.full((CHUNKS, 3), np.inf)
+    most = np.full((CHUNKS, 3), -np.inf)
     find_slabs(points.position, grid, box.low, box.high, slab, count, least, most)
     offset = np.cumsum(count.T).reshape(slabs + 1, CHUNKS).T - count
     grid.start[:-1] = offset[0]
@@ -79,10 +79,12 @@ def around_points(grid: Grid, points: Points, box: Box) -> Grid:
     return _fitted(grid, least.min(axis=0), most.max(axis=0))
 
 
-def _fitted(grid: Grid, low: NDArray[np.int64], high: NDArray[np.int64]) -> Grid:
-    """Return the grid, with a new window if cells ``low`` to ``high`` are not inside the present one."""
-    if np.any(high < 0):  # no point is left in the box
+def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
+    """Return the grid, with a new window if points from ``least`` to ``most`` [mm] are not inside the present one."""
+    if not np.all(least <= most):  # no point is left in the box
         return grid
+    origin = np.array([grid.x0, grid.y0, grid.z0])
+    low, high = (((place - origin) * grid.per_cell).astype(np.int64) for place in (least, most))
     margin = 2  # cells: the support of a point beyond its own cell, and room to move before the next new window
     first = np.array([grid.i0, grid.j0, grid.k0])
     size = np.array([grid.nx, grid.ny, grid.nz], np.int64)
@@ -103,30 +105,27 @@ def _fitted(grid: Grid, low: NDArray[np.int64], high: NDArray[np.int64]) -> Grid
 @kernel
 def find_slabs(
     position: Array, grid: Grid, low: tuple[float, ...], high: tuple[float, ...],
-    slab: NDArray[np.int32], count: NDArray[np.int64], least: NDArray[np.int64], most: NDArray[np.int64],
+    slab: NDArray[np.int32], count: NDArray[np.int64], least: Array, most: Array,
 ) -> None:  # fmt: skip
-    """Find each point's slab, how many points each chunk has in each slab, and the cells they span."""
+    """Find each point's slab, how many points each chunk has in each slab, and between which coordinates they are."""
     total = len(position)
     outside = count.shape[1] - 1
     for chunk in prange(CHUNKS):
-        i0, j0, k0 = least[chunk]
-        i1, j1, k1 = most[chunk]
+        x0, y0, z0 = least[chunk]
+        x1, y1, z1 = most[chunk]
         for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
             x, y, z = position[p, 0], position[p, 1], position[p, 2]
             mine = outside
             inside = low[0] <= x < high[0] and low[1] <= y < high[1] and low[2] <= z < high[2]
             if inside:  # never true for a position that is not a number
-                i = int((x - grid.x0) * grid.per_cell)
-                j = int((y - grid.y0) * grid.per_cell)
-                k = int((z - grid.z0) * grid.per_cell)
-                i0, i1 = min(i0, i), max(i1, i)
-                j0, j1 = min(j0, j), max(j1, j)
-                k0, k1 = min(k0, k), max(k1, k)
-                mine = k // SLAB
+                x0, x1 = min(x0, x), max(x1, x)
+                y0, y1 = min(y0, y), max(y1, y)
+                z0, z1 = min(z0, z), max(z1, z)
+                mine = int((z - grid.z0) * grid.per_cell) // SLAB
             slab[p] = mine
             count[chunk, mine] += 1
-        least[chunk, 0], least[chunk, 1], least[chunk, 2] = i0, j0, k0
-        most[chunk, 0], most[chunk, 1], most[chunk, 2] = i1, j1, k1
+        least[chunk, 0], least[chunk, 1], least[chunk, 2] = x0, y0, z0
+        most[chunk, 0], most[chunk, 1], most[chunk, 2] = x1, y1, z1
 
 
 @kernel

@@ -25,12 +25,16 @@ def check_row(row: Row, initial_energy: float, limits: Guards) -> None:
             )
     share = row.numerical / initial_energy
     if abs(share) > limits.energy_error:
+        gone, cause = (
+            ("lost", "the transfers dissipate (method.pic_fraction), or the integration is becoming unstable")
+            if share > 0.0
+            else ("gained", "noise of points that cross cells, or steps too long; take a smaller method.safety")
+        )
         raise _stopped(
             row.time,
-            f"the energy ledger misses {100 * share:+.1f} % of the initial kinetic energy "
+            f"the energy ledger does not close: {gone} {100 * abs(share):.1f} % of the initial kinetic energy "
             f"(guards.energy_error allows {100 * limits.energy_error:g} %)",
-            "the integration is becoming unstable or the transfers dissipate; take a smaller method.safety, the scheme "
-            "'musl', or a smaller method.pic_fraction",
+            cause,
         )
 
 

@@ -26,7 +26,11 @@ def check_row(row: Row, initial_energy: float, limits: Guards) -> None:
     share = row.numerical / initial_energy
     if abs(share) > limits.energy_error:
         gone, cause = (
-            ("lost", "the transfers dissipate (method.pic_fraction), or the integration is becoming unstable")
+            (
+                "lost",
+                "the transfers dissipate (method.pic_fraction), or the integration is becoming unstable (scheme 'usl' "
+                "does where points come to nodes of nearly no mass; 'musl' does not)",
+            )
             if share > 0.0
             else ("gained", "noise of points that cross cells, or steps too long; take a smaller method.safety")
         )

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from viscopoint.results import Run, Snapshot
     from viscopoint.running import run
 
-# A thread that waits for the others spins a few microseconds, then sleeps. By default GNU OpenMP spins for about a
+# A thread that waits for the others spins some ten microseconds, then sleeps. By default GNU OpenMP spins for about a
 # millisecond: beside another busy program that made a step of 21,172 points on two cores 40 times slower.
-os.environ.setdefault("GOMP_SPINCOUNT", "2000")
+os.environ.setdefault("GOMP_SPINCOUNT", "5000")
 
 __all__ = [
     "Case",

@@ -15,7 +15,7 @@ from viscopoint.arrays import Array
 from viscopoint.jit import kernel
 from viscopoint.mpm.points import Points
 
-SLAB = 4  # layers of cells; also the most nodes that a shape function may span along z
+SLAB = 3  # layers of cells; a shape function may span one node more than that along z
 CHUNKS = 64  # pieces of the point list that are sorted independently
 
 

@@ -203,7 +203,7 @@ def _print_summary(run: "Run") -> None:
     for column in table.columns:
         column.justify = "right"
     for row in run.rows:
-        ledger = 100.0 * row.numerical / run.summary["initial_kinetic_energy [mJ]"]
+        ledger = 100.0 * row.numerical / run.results.initial_energy
         table.add_row(
             f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.foot_radius:.3f}", f"{row.greatest_radius:.3f}",
             f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{ledger:+.2f}",
@@ -218,13 +218,13 @@ def _print_summary(run: "Run") -> None:
 
 def _ending(run: "Run") -> str:
     """Say in a sentence how a run ended and where it is."""
-    facts = run.summary
+    results = run.results
     if run.status == "running":
         return f"not finished: still running, or killed; {run.folder}"
-    pace = facts["points"] * facts["steps"] / max(facts["wall_time [s]"], 1e-3) / 1e6
+    pace = results.points * results.steps / max(results.wall_time, 1e-3) / 1e6
     gone = run.rows[-1].points_lost if run.rows else 0
     lost = f", {gone} points left the box" if gone else ""
-    ended = "complete" if run.status == "complete" else f"INCOMPLETE ({facts['reason']})"
-    work = f"{facts['points']} points, {facts['steps']} steps in {facts['wall_time [s]']:.2f} s"
-    ledger = f"ledger within {facts['energy_error [%]']:.2f} % of the initial kinetic energy"
+    ended = "complete" if run.status == "complete" else f"INCOMPLETE ({results.reason})"
+    work = f"{results.points} points, {results.steps} steps in {results.wall_time:.2f} s"
+    ledger = f"ledger within {results.energy_error:.2f} % of the initial kinetic energy"
     return f"{ended}: {work} ({pace:.1f} M point-steps/s), {ledger}{lost}\n{run.folder}"

@@ -8,11 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from viscopoint.errors import InputError
-from viscopoint.ledger import UNITS, Row
-from viscopoint.simulation import Outcome
 
 CASE, PROVENANCE, SUMMARY, FIGURES = "case.toml", "provenance.json", "summary.json", "figures"
-NUMBERS = ("wall_time [s]", "initial_kinetic_energy [mJ]", "energy_error [%]", "momentum_error [N ms]")  # of a summary
 
 
 def create(folder: Path, force: bool) -> None:
@@ -55,29 +52,3 @@ def write_text(path: Path, text: str) -> None:
 def write_json(path: Path, data: dict[str, Any]) -> None:
     """Write JSON whole or not at all."""
     write_text(path, json.dumps(data, indent=2, ensure_ascii=False) + "\n")
-
-
-def summary(outcome: Outcome | None, initial_energy: float, points: int) -> dict[str, Any]:
-    """Return the results of a run in a few numbers; those of one still running where there is no outcome."""
-    if outcome is None:
-        return {"status": "running", "reason": "", "points": points}
-    return {
-        "status": outcome.status,
-        "reason": outcome.reason,
-        "points": points,
-        "steps": outcome.steps,
-        **dict(
-            zip(
-                NUMBERS,
-                (outcome.wall_time, initial_energy, 100 * outcome.energy_error, outcome.momentum_error),
-                strict=True,
-            )
-        ),
-        "units": UNITS,
-        "snapshots": [_finite(row) for row in outcome.rows],
-    }
-
-
-def _finite(row: Row) -> dict[str, Any]:
-    """Return a row as JSON allows it, not-a-number as null."""
-    return {name: value if value == value else None for name, value in row._asdict().items()}

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from viscopoint.body import Body
 from viscopoint.case import Case
 from viscopoint.errors import InputError
-from viscopoint.folder import CASE, FIGURES, NUMBERS, PROVENANCE, SUMMARY
+from viscopoint.folder import CASE, FIGURES, PROVENANCE, SUMMARY
 from viscopoint.gauges import profile
-from viscopoint.ledger import Row
 from viscopoint.method import Field
 from viscopoint.output import fields as field_file
 from viscopoint.output import history as history_file
 from viscopoint.provenance import FORMAT
+from viscopoint.summary import Summary
 from viscopoint.units import parse
 
 if TYPE_CHECKING:
@@ -50,7 +51,11 @@ class Run:
             found = self.provenance.get("format")
             raise InputError(f"run folder {folder}: format {found}, but this version reads format {FORMAT}")
         self.summary = self._json(SUMMARY)
-        self.rows = self._rows()
+        try:
+            self.results = Summary.model_validate(self.summary)
+            self.rows = self.results.rows()
+        except (ValidationError, TypeError):
+            raise InputError(f"run folder {folder}: {SUMMARY} is not the summary of a run") from None
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r}, {self.status})"
@@ -118,20 +123,6 @@ class Run:
                 f"run folder {self.folder}: no snapshot {number!r}; give a number below {count}, or a time such as "
                 '"20 us"'
             ) from None
-
-    def _rows(self) -> list[Row]:
-        """Return the rows of the summary; raise ``InputError`` if it is not one of ours."""
-        try:
-            if self.summary["status"] not in ("running", "complete", "stopped", "interrupted"):
-                raise ValueError
-            if self.summary["status"] == "running":
-                return []
-            for key, kind in (("points", int), ("steps", int), ("reason", str), *((key, float) for key in NUMBERS)):
-                if not isinstance(self.summary[key], kind | int):
-                    raise TypeError
-            return [Row(**row) for row in self.summary["snapshots"]]
-        except (KeyError, TypeError, ValueError):
-            raise InputError(f"run folder {self.folder}: {SUMMARY} is not the summary of a run") from None
 
     def _number(self, text: str) -> int:
         try:

@@ -9,12 +9,13 @@ from tempfile import mkdtemp
 
 from viscopoint.case import Case
 from viscopoint.errors import InputError, OutputError
-from viscopoint.folder import CASE, PROVENANCE, SUMMARY, create, summary, write_json, write_text
+from viscopoint.folder import CASE, PROVENANCE, SUMMARY, create, write_json, write_text
 from viscopoint.model import Model, build
 from viscopoint.output import WRITERS
 from viscopoint.provenance import now, provenance
 from viscopoint.results import Run
 from viscopoint.simulation import Simulation, Watch
+from viscopoint.summary import Summary
 
 MOST_STEPS = 100_000_000
 
@@ -46,13 +47,13 @@ def run(
         made = provenance()
         points = len(model.body.position)
         write_json(folder / PROVENANCE, made)
-        write_json(folder / SUMMARY, summary(None, 0.0, points))
+        _write_summary(folder, Summary(status="running", points=points))
         write_text(folder / CASE, case.resolved().to_toml())
         with contextlib.ExitStack() as stack:
             writers = [stack.enter_context(contextlib.closing(make(folder))) for make in WRITERS]
             simulation = Simulation(model, writers, watch)
             outcome = simulation.run()
-        write_json(folder / SUMMARY, summary(outcome, simulation.ledger.start.kinetic, points))
+        _write_summary(folder, Summary.of(outcome, simulation.ledger.start.kinetic, points))
         write_json(folder / PROVENANCE, made | {"ended": now()})
         result = Run(folder)
         if out is None:
@@ -60,6 +61,10 @@ def run(
         if figures and outcome.rows:
             result.draw()
         return result
+
+
+def _write_summary(folder: Path, results: Summary) -> None:
+    write_json(folder / SUMMARY, results.model_dump(by_alias=True))
 
 
 def _bound_steps(model: Model) -> None:

@@ -3,7 +3,7 @@
 import math
 import time as clock
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from viscopoint.guards import GuardError, check_row, check_step
 from viscopoint.ledger import Ledger, Row
@@ -17,7 +17,7 @@ SAME_TIME = 1e-9  # relative: two instants of a case that differ by less are one
 class Outcome(NamedTuple):
     """How a run ended."""
 
-    status: str  # "complete", "stopped" or "interrupted"
+    status: Literal["complete", "stopped", "interrupted"]
     reason: str  # why, if it is not complete
     rows: list[Row]  # at the snapshots
     steps: int

@@ -221,7 +221,7 @@ def _ending(run: "Run") -> str:
     results = run.results
     if run.status == "running":
         return f"not finished: still running, or killed; {run.folder}"
-    pace = results.points * results.steps / max(results.wall_time, 1e-3) / 1e6
+    pace = results.points * max(results.steps - 1, 0) / max(results.wall_time, 1e-3) / 1e6
     gone = run.rows[-1].points_lost if run.rows else 0
     lost = f", {gone} points left the box" if gone else ""
     ended = "complete" if run.status == "complete" else f"INCOMPLETE ({results.reason})"

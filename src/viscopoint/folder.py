@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,24 +13,36 @@ from viscopoint.errors import InputError
 CASE, PROVENANCE, SUMMARY, FIGURES = "case.toml", "provenance.json", "summary.json", "figures"
 
 
+def check_free(folder: Path, force: bool) -> None:
+    """Raise ``InputError`` if a run may not be put here; with ``force``, an earlier run is no hindrance."""
+    with _place_faults(folder):
+        if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
+            return
+        if not (folder / PROVENANCE).is_file():
+            raise InputError(f"output folder {folder}: already there, and no run folder; choose another place")
+        if not force:
+            raise InputError(f"output folder {folder}: already there; --force replaces it, --out chooses another place")
+
+
 def create(folder: Path, force: bool) -> None:
     """Make an empty folder for a run; with ``force``, in place of an earlier run.
 
     Raises:
         InputError: there is something already, or the place cannot be written.
     """
-    try:
-        if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
-            if not (folder / PROVENANCE).is_file():
-                raise InputError(f"output folder {folder}: already there, and no run folder; choose another place")
-            if not force:
-                raise InputError(
-                    f"output folder {folder}: already there; --force replaces it, --out chooses another place"
-                )
+    check_free(folder, force)
+    with _place_faults(folder):
+        if folder.exists():
             shutil.rmtree(folder)
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True)
         (folder / ".try").touch()
         (folder / ".try").unlink()
+
+
+@contextlib.contextmanager
+def _place_faults(folder: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise InputError(f"output folder {folder}: cannot be made or written ({error.strerror})") from None
 

@@ -9,7 +9,7 @@ from tempfile import mkdtemp
 
 from viscopoint.case import Case
 from viscopoint.errors import InputError, OutputError
-from viscopoint.folder import CASE, PROVENANCE, SUMMARY, create, write_json, write_text
+from viscopoint.folder import CASE, PROVENANCE, SUMMARY, check_free, create, write_json, write_text
 from viscopoint.model import Model, build
 from viscopoint.output import WRITERS
 from viscopoint.provenance import now, provenance
@@ -39,6 +39,8 @@ def run(
         InputError: the folder is already there or cannot be made, or the case would take forever.
         OutputError: the results could not be written.
     """
+    if out is not None:
+        check_free(Path(out), force)  # before anything takes time
     model = build(case)
     _bound_steps(model)
     folder = Path(mkdtemp(prefix="viscopoint-") if out is None else out)

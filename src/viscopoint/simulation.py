@@ -21,7 +21,7 @@ class Outcome(NamedTuple):
     reason: str  # why, if it is not complete
     rows: list[Row]  # at the snapshots
     steps: int
-    wall_time: float  # s, of the steps and the ledger
+    wall_time: float  # s, of the steps and the ledger, less the first step, which may compile
     energy_error: float  # greatest share of the initial energy that was ever missing
     momentum_error: float  # greatest difference ever of momentum gained and impulse received, N ms
 
@@ -74,7 +74,7 @@ class Simulation:
             self.step += 1
             if left <= 1 or self.time - row.time >= case.output.history_interval:
                 row = self._record(dt)
-            self.busy += clock.perf_counter() - began
+            self.busy += clock.perf_counter() - began if self.step > 1 else 0.0
         return row
 
     def _record(self, dt: float) -> Row:

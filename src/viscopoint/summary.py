@@ -25,7 +25,7 @@ class Summary(BaseModel):
     reason: str = ""  # why it is not complete
     points: int
     steps: int = 0
-    wall_time: float = 0.0
+    wall_time: float = 0.0  # of all steps but the first, which may compile
     initial_energy: float = Field(default=1.0, gt=0.0)
     energy_error: float = 0.0  # greatest ever
     momentum_error: float = 0.0  # greatest ever

@@ -29,5 +29,5 @@ def energies(run: Run) -> Figure:
     below.plot(history["time"] * 1e3, 100.0 * history["numerical"] / initial, color="0.2")
     axis.set(ylabel="% of the initial kinetic energy")
     below.set(xlabel="time (µs)", ylabel="numerical\nremainder (%)")
-    axis.legend(ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    figure.legend(ncols=3, loc="outside upper center")
     return figure

@@ -11,7 +11,7 @@ from viscopoint.results import Run
 @offer("profiles")
 def profiles(run: Run) -> Figure:
     """Draw the outline, both sides of the axis to scale."""
-    figure = Figure(figsize=(8.0, 3.6), layout="constrained")
+    figure = Figure(figsize=(8.0, 4.2), layout="constrained")
     axis = figure.subplots()
     numbers = chosen(run)
     colours = matplotlib.colormaps[COLOURS](np.linspace(0.0, 0.9, len(numbers)))
@@ -22,5 +22,5 @@ def profiles(run: Run) -> Figure:
         axis.plot(height, -radius, color=colour)
     axis.axvline(-run.case.impact.gap, color="0.3", linewidth=1.0)
     axis.set(xlabel="z (mm), wall at the left", ylabel="r (mm)", aspect="equal")
-    axis.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    figure.legend(ncols=4, loc="outside upper center")
     return figure

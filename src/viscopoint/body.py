@@ -1,4 +1,4 @@
-"""The rod, filled with material points."""
+"""The body: where its material is at the start, and where its surface shows."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from viscopoint.arrays import Array, Indices
 class Surface(NamedTuple):
     """Which points show where the rod's surface is (see ``gauges``)."""
 
-    ring: Indices  # [layer, c], points around the circumference of each layer, from the foot up
+    ring: Indices  # [layer, c], points around the circumference of each layer, from the foot up; -1: none
     swell: Array  # [c], the rod's radius over the radius at which such a point starts
     tail: Indices  # [column, 2], points of the last two layers; the rod ends ``reach`` of their distance further
     foot: Indices  # [column, 2], the same at the foot
@@ -18,11 +18,12 @@ class Surface(NamedTuple):
 
 
 class Body(NamedTuple):
-    """Points and what each stands for."""
+    """Points, material points or the nodes of a mesh, and what each stands for."""
 
     position: Array  # [p, 3], mm
     volume: Array  # [p], mm^3
     surface: Surface
+    cells: Indices = np.empty((0, 8), np.int64)  # [e, 8], corners of the hexahedra in VTK's order; none for MPM
 
 
 def rod_lattice(radius: float, length: float, spacing: float) -> Body:

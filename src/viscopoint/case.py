@@ -13,7 +13,8 @@ from pydantic_core import PydanticCustomError
 import viscopoint.laws  # noqa: F401  (its modules declare the materials)
 from viscopoint.errors import CaseError, Fault, InputError, nearest
 from viscopoint.explain import explain, valid_values
-from viscopoint.inputs import Guards, Impact, Material, Output, Rod, Table, Time
+from viscopoint.fem.inputs import FEMInput
+from viscopoint.inputs import Guards, Impact, Material, MethodInput, Output, Rod, Table, Time
 from viscopoint.mpm.inputs import MPMInput
 from viscopoint.rules import broken
 
@@ -28,6 +29,8 @@ def _materials(base: type[Material] = Material) -> Iterator[type[Material]]:
         yield from _materials(derived)
 
 
+METHODS: dict[str, type[MPMInput] | type[FEMInput]] = {"mpm": MPMInput, "fem": FEMInput}
+AnyMethod = Annotated[MPMInput | FEMInput, Field(discriminator="name")]
 AnyMaterial = Annotated[Union[tuple(dict.fromkeys(_materials()))], Field(discriminator="law")]  # noqa: UP007
 
 
@@ -38,24 +41,27 @@ class Case(Table):
     rod: Rod
     impact: Impact
     material: AnyMaterial  # pyright: ignore[reportInvalidTypeForm]  (the laws found in the package)
-    method: MPMInput
+    method: AnyMethod
     time: Time
     guards: Guards = Guards()
     output: Output = Output()
 
     @classmethod
-    def load(cls, source: str | Path, changes: Mapping[str, Any] | None = None) -> Self:
+    def load(cls, source: str | Path, changes: Mapping[str, Any] | None = None, *, method: str | None = None) -> Self:
         """Read a packaged case by its name, or a TOML file by its path.
 
         Args:
             source: such as "paper", or "my/case.toml".
             changes: values by dotted key, such as ``{"rod.radius": "4 mm"}``, put over those of the file.
+            method: "mpm" or "fem", to use in place of the case's own at the same distance of points or nodes.
 
         Raises:
             InputError: there is no such case, or it is not TOML.
             CaseError: the case has faults; the message lists them all.
         """
-        tables = _with_base(_read(source), str(source))
+        tables = _with_base(_located(_read(source), Path(source)), str(source))
+        if method is not None:
+            tables = tables | {"method": _replaced(cls.from_tables(tables, str(source)).method, method)}
         for key, value in (changes or {}).items():
             tables = merged(tables, _nested(key, value))
         return cls.from_tables(tables, str(source))
@@ -132,6 +138,29 @@ def merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
         else:
             result[key] = value
     return result
+
+
+def _replaced(own: MethodInput, name: str) -> dict[str, Any]:
+    """Return the table of another method with the resolution of a case's own."""
+    if name not in METHODS:
+        raise InputError(f"method '{name}' is not known; {nearest(name, METHODS)}")
+    if isinstance(own, METHODS[name]):
+        return own.model_dump(mode="json", exclude_none=True)
+    if not own.resolution():
+        raise InputError(f"method '{name}': the case's own takes its resolution from a file; write a [method] table")
+    return METHODS[name].at_resolution(own.resolution())
+
+
+def _located(tables: dict[str, Any], source: Path) -> dict[str, Any]:
+    """Return the tables with file names that are meant from the case file's folder."""
+    mesh = _at_key(tables, "method", "mesh")
+    return merged(tables, _nested("method.mesh", str(source.parent / mesh))) if isinstance(mesh, str) else tables
+
+
+def _at_key(tables: Any, *keys: str) -> Any:
+    for key in keys:
+        tables = tables.get(key) if isinstance(tables, Mapping) else None
+    return tables
 
 
 def _nested(key: str, value: Any) -> dict[str, Any]:

@@ -50,7 +50,13 @@ def options(
 @app.command()
 def run(
     case: CaseName,
-    out: Annotated[Path | None, typer.Option(help="The run folder to make (default: runs/CASE).")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="The run folder to make (default: runs/CASE, or runs/CASE-METHOD).")
+    ] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(help="mpm or fem, at the case's distance of points or nodes (default: the case's own)."),
+    ] = None,
     changes: Set = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a run folder that is already there.")] = False,
     threads: Annotated[int | None, typer.Option(min=1, help="Threads to compute with (default: all).")] = None,
@@ -61,9 +67,10 @@ def run(
         from viscopoint.case import Case
         from viscopoint.running import run as run_case
 
-        resolved = Case.load(case, _changes(changes))
+        resolved = Case.load(case, _changes(changes), method=method)
         _use_threads(threads)
-        folder = out or Path("runs", Path(case).name.removesuffix(".toml"))
+        name = Path(case).name.removesuffix(".toml")
+        folder = out or Path("runs", f"{name}-{method}" if method else name)
         with _progress() as watch:
             done = run_case(resolved, folder, force=force, figures=figures, watch=watch)
         _print_summary(done)
@@ -197,8 +204,9 @@ def _print_summary(run: "Run") -> None:
     from rich.console import Console
     from rich.table import Table
 
-    heads = ("length", "foot r", "greatest r", "velocity", "kinetic", "impulse", "ledger", "lost")
-    units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "%", "points")
+    meshed = run.results.elements > 0
+    heads = ("length", "foot r", "greatest r", "velocity", "kinetic", "impulse", "hourglass", "ledger", "lost")
+    units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "mJ", "%", "elements" if meshed else "points")
     table = Table("time\nus", *(f"{head}\n{unit}" for head, unit in zip(heads, units, strict=True)), box=None)
     for column in table.columns:
         column.justify = "right"
@@ -206,8 +214,8 @@ def _print_summary(run: "Run") -> None:
         ledger = 100.0 * row.numerical / run.results.initial_energy
         table.add_row(
             f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.foot_radius:.3f}", f"{row.greatest_radius:.3f}",
-            f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{ledger:+.2f}",
-            str(row.points_lost),
+            f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{row.hourglass:.1f}",
+            f"{ledger:+.2f}", str(row.lost),
         )  # fmt: skip
     console = Console(width=None if sys.stdout.isatty() else 100, highlight=False)
     if run.case.title:
@@ -221,10 +229,18 @@ def _ending(run: "Run") -> str:
     results = run.results
     if run.status == "running":
         return f"not finished: still running, or killed; {run.folder}"
-    pace = results.points * max(results.steps - 1, 0) / max(results.wall_time, 1e-3) / 1e6
-    gone = run.rows[-1].points_lost if run.rows else 0
-    lost = f", {gone} points left the box" if gone else ""
+    parts = results.elements or results.points
+    pace = parts * max(results.steps - 1, 0) / max(results.wall_time, 1e-3) / 1e6
+    gone = run.rows[-1].lost if run.rows else 0
+    lost = f", {gone} {'elements deleted' if results.elements else 'points left the box'}" if gone else ""
     ended = "complete" if run.status == "complete" else f"INCOMPLETE ({results.reason})"
-    work = f"{results.points} points, {results.steps} steps in {results.wall_time:.2f} s"
+    kind = "element" if results.elements else "point"
+    work = f"{parts} {kind}s, {results.steps} steps in {results.wall_time:.2f} s"
     ledger = f"ledger within {results.energy_error:.2f} % of the initial kinetic energy"
-    return f"{ended}: {work} ({pace:.1f} M point-steps/s), {ledger}{lost}\n{run.folder}"
+    mesh = ""
+    if results.mesh:
+        mesh = (
+            f"mesh: {results.points} nodes, least scaled Jacobian {results.mesh.least_jacobian:.2f}, greatest aspect "
+            f"{results.mesh.greatest_aspect:.2f}\n"
+        )
+    return f"{mesh}{ended}: {work} ({pace:.1f} M {kind}-steps/s), {ledger}{lost}\n{run.folder}"

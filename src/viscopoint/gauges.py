@@ -30,7 +30,7 @@ class Gauges(NamedTuple):
 
 def profile(surface: Surface, position: Array) -> tuple[Array, Array]:
     """Return height and radius of each layer [mm]; points at not-a-number are left out."""
-    ring = position[surface.ring]
+    ring = np.where((surface.ring < 0)[..., None], np.nan, position[surface.ring])
     radius = np.hypot(ring[..., 0], ring[..., 1]) * surface.swell
     return _mean(ring[..., 2]), _mean(radius)
 

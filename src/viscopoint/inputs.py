@@ -2,12 +2,22 @@
 
 import os
 from abc import abstractmethod
-from typing import Annotated, Any
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
+from viscopoint.errors import nearest
 from viscopoint.rules import rule
 from viscopoint.units import Duration, Gap, Instant, Length, Speed
+from viscopoint.viscosity import BulkViscosity
+
+if TYPE_CHECKING:
+    from viscopoint.body import Body
+    from viscopoint.laws import Law
+    from viscopoint.method import Method
 
 
 class Table(BaseModel):
@@ -22,6 +32,60 @@ class Material(Table):
     @abstractmethod
     def build(self) -> Any:
         """Return the law's parameters."""
+
+
+def one_of(names: Iterable[str]) -> Any:
+    """Return the type of a word that must be one of the names."""
+    known_names = sorted(names)
+
+    def known(name: str) -> str:
+        if name not in known_names:
+            raise PydanticCustomError("word", "is not known; {allowed}", {"allowed": nearest(name, known_names)})
+        return name
+
+    return Annotated[str, AfterValidator(known), Field(json_schema_extra={"enum": [*known_names]})]
+
+
+class BulkViscosityInput(Table):
+    """q = rho l |d| (linear c + quadratic l |d|) in compression."""
+
+    linear: float = Field(default=0.06, ge=0, le=1)
+    quadratic: float = Field(default=1.5, ge=0, le=10)
+
+    def build(self) -> BulkViscosity:
+        """Return the coefficients."""
+        return BulkViscosity(self.linear, self.quadratic)
+
+
+class MethodInput(Table):
+    """The ``[method]`` table; each method derives its own, with ``name: Literal["its-name"]``."""
+
+    bulk_viscosity: BulkViscosityInput = BulkViscosityInput()
+
+    @abstractmethod
+    def resolution(self) -> float:
+        """Return the distance of points or nodes, by which methods are compared [mm]."""
+
+    @classmethod
+    @abstractmethod
+    def at_resolution(cls, distance: float) -> dict[str, Any]:
+        """Return the table of this method, as a case has it, for a distance of points or nodes [mm]."""
+
+    @abstractmethod
+    def completed(self, rod: "Rod", impact: "Impact") -> Self:
+        """Return the table with what it leaves to be derived from other tables."""
+
+    def kept_in(self, folder: Path) -> Self:
+        """Copy files that the table refers to into a run folder; return the table that refers to the copies."""
+        return self
+
+    @abstractmethod
+    def body(self, rod: "Rod") -> "Body":
+        """Return the rod's points, and cells if the method has any."""
+
+    @abstractmethod
+    def build(self, rod: "Rod", impact: "Impact", law: "Law") -> "Method":
+        """Return the rod on its way to the wall."""
 
 
 class Rod(Table):

@@ -20,8 +20,8 @@ class Row(NamedTuple):
 
     Energies close by construction: ``numerical`` is what the initial kinetic energy exceeds the sum of the others by,
     and so what transfers and time integration lost (or, below zero, gained). A rigid wall does no work: ``contact`` is
-    the kinetic energy of the grid's nodes that it stops, a loss of the method of first order in the cell. Points that
-    left the box keep the energy and momentum they had, and count.
+    the kinetic energy of the nodes that it stops, a loss of the method of first order in the cell or element. Points
+    that left the box keep the energy and momentum they had, and count; so do the nodes of deleted elements.
     """
 
     time: Time
@@ -42,10 +42,12 @@ class Row(NamedTuple):
     stored: Energy
     dissipated: Energy  # by the law
     viscous: Energy  # by the bulk viscosity
+    hourglass: Energy  # taken by the control of hourglass modes (FEM)
+    eroded: Energy  # stored in elements when they were deleted (FEM)
     contact: Energy  # taken by the wall's normal impulse
     friction: Energy  # taken by the wall's tangential impulse
     numerical: Energy  # the remainder
-    points_lost: Count
+    lost: Count  # points that left the box (MPM), elements deleted (FEM)
 
 
 UNITS: dict[str, str] = {name: hint.__metadata__[0] for name, hint in get_type_hints(Row, include_extras=True).items()}
@@ -63,7 +65,10 @@ class Ledger:
         """Measure the method now."""
         now, start = self.method.totals(), self.start
         shape = measure(self.surface, self.method.positions())
-        known = now.kinetic + now.stored + now.dissipated + now.viscous + now.contact + now.friction
+        known = (
+            now.kinetic + now.stored + now.dissipated + now.viscous + now.hourglass + now.eroded + now.contact
+            + now.friction
+        )  # fmt: skip
         impulse = float(now.impulse[2])
         force = (impulse - self.before.wall_impulse) / (time - self.before.time) if step else 0.0
         row = Row(
@@ -74,9 +79,10 @@ class Ledger:
             wall_impulse=impulse,
             momentum_error=float(abs(now.momentum - start.momentum - now.impulse).max()),
             kinetic=now.kinetic, stored=now.stored, dissipated=now.dissipated,
-            viscous=now.viscous, contact=now.contact, friction=now.friction,
+            viscous=now.viscous, hourglass=now.hourglass, eroded=now.eroded,
+            contact=now.contact, friction=now.friction,
             numerical=start.kinetic + start.stored - known,
-            points_lost=self.method.lost(),
+            lost=self.method.lost(),
         )  # fmt: skip
         self.before = row
         return row

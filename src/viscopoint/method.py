@@ -1,15 +1,20 @@
 """The face that the driver, the ledger and the outputs see of any method, MPM or FEM."""
 
-from typing import NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
+
+import numpy as np
 
 from viscopoint.arrays import Array, Rows
+from viscopoint.laws import Law
+from viscopoint.tensors import COMPONENTS
 
 
 class Field(NamedTuple):
-    """Named values for output, one row per point."""
+    """Named values for output, one row per point (material point or node) or per cell (finite element)."""
 
     values: Rows
     unit: str
+    on: Literal["points", "cells"] = "points"
 
 
 class Totals(NamedTuple):
@@ -19,6 +24,8 @@ class Totals(NamedTuple):
     stored: float  # mJ
     dissipated: float  # by the law, mJ
     viscous: float  # by the bulk viscosity, mJ
+    hourglass: float  # taken by the control of hourglass modes, mJ
+    eroded: float  # stored in elements when they were deleted, mJ
     contact: float  # taken by the wall's normal impulse (nodes stop as they touch), mJ
     friction: float  # taken by the wall's tangential impulse, mJ
     momentum: Array  # [3], N ms
@@ -26,8 +33,23 @@ class Totals(NamedTuple):
     mass: float  # g
 
 
+class Advice(NamedTuple):
+    """What a method is likely to suffer from, in the words of a guard that stops it."""
+
+    lost: str  # nothing is left to measure
+    unstable: str  # a quantity is not finite
+    dissipating: str  # energy is lost
+    gaining: str  # energy is gained
+    collapsed: str  # the stable step became tiny
+
+
 class Method(Protocol):
     """An explicit method that advances a body in time."""
+
+    @property
+    def advice(self) -> Advice:
+        """What to say of this method when a guard stops it."""
+        ...
 
     def stable_step(self) -> float:
         """Return the longest step to take next, safety factor included [ms]."""
@@ -46,7 +68,11 @@ class Method(Protocol):
         ...
 
     def lost(self) -> int:
-        """Return how many points left the region that the method covers."""
+        """Return how many points left the region that the method covers, or elements were deleted."""
+        ...
+
+    def weakest(self) -> str:
+        """Say what keeps the stable step short, and where; empty if there is nothing to say."""
         ...
 
     def snapshot(self) -> dict[str, Field]:
@@ -60,3 +86,19 @@ class Method(Protocol):
     def restore(self, state: dict[str, Rows]) -> None:
         """Take over a state."""
         ...
+
+
+def history_fields(law: Law, history: Array, on: Literal["points", "cells"] = "points") -> dict[str, Field]:
+    """Return a law's history ``[row, h]`` as named fields."""
+    fields, column = {}, 0
+    for name, size in law.history_fields:
+        values = history[:, column : column + size]
+        fields[name] = Field(values[:, 0] if size == 1 else values, "MPa" if size == len(COMPONENTS) else "1", on)
+        column += size
+    return fields
+
+
+def von_mises_of(stress: Array) -> Array:
+    """Return sqrt(3/2 S : S) of each row [MPa]."""
+    shape = stress[:, :3] - stress[:, :3].mean(axis=1, keepdims=True)
+    return np.sqrt(1.5 * (shape**2).sum(axis=1) + 3.0 * (stress[:, 3:] ** 2).sum(axis=1))

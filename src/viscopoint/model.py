@@ -6,7 +6,6 @@ from viscopoint.body import Body
 from viscopoint.case import Case
 from viscopoint.laws import Law
 from viscopoint.method import Method
-from viscopoint.mpm.method import MaterialPointMethod
 
 
 class Model(NamedTuple):
@@ -21,5 +20,5 @@ class Model(NamedTuple):
 def build(case: Case) -> Model:
     """Return the model of a case at its start."""
     law = case.material.build()
-    method: MaterialPointMethod = case.method.build(case.rod, case.impact, law)
+    method = case.method.build(case.rod, case.impact, law)
     return Model(case, method.body, law, method)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numba
 
-FORMAT = 1  # of run folders
+FORMAT = 2  # of run folders; 2: hourglass and eroded energy, cells
 PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 
 

@@ -47,15 +47,16 @@ def run(
     create(folder, force)
     with _disk_faults(folder):
         made = provenance()
-        points = len(model.body.position)
         write_json(folder / PROVENANCE, made)
-        _write_summary(folder, Summary(status="running", points=points))
-        write_text(folder / CASE, case.resolved().to_toml())
+        _write_summary(folder, Summary.of_start(model.body))
+        kept = case.resolved()
+        kept = kept.model_copy(update={"method": kept.method.kept_in(folder)})
+        write_text(folder / CASE, kept.to_toml())
         with contextlib.ExitStack() as stack:
-            writers = [stack.enter_context(contextlib.closing(make(folder))) for make in WRITERS]
+            writers = [stack.enter_context(contextlib.closing(make(folder, model.body))) for make in WRITERS]
             simulation = Simulation(model, writers, watch)
             outcome = simulation.run()
-        _write_summary(folder, Summary.of(outcome, simulation.ledger.start.kinetic, points))
+        _write_summary(folder, Summary.of(outcome, simulation.ledger.start.kinetic, model.body))
         write_json(folder / PROVENANCE, made | {"ended": now()})
         result = Run(folder)
         if out is None:

@@ -46,6 +46,7 @@ class Simulation:
                 self._snapshot(self._advance_to(instant))
         except GuardError as error:
             status, reason = "stopped", str(error)
+            self._keep_last_state()
         except KeyboardInterrupt:
             status, reason = "interrupted", f"interrupted after t = {self.ledger.before.time * 1e3:.4g} us"
         return Outcome(status, reason, self.rows, self.step, self.busy, *self.errors)
@@ -65,15 +66,14 @@ class Simulation:
         row = self.ledger.before
         while self.time < instant:
             began = clock.perf_counter()
-            stable = method.stable_step()
-            check_step(self.time, stable, self.first_step, case.guards)
-            left = math.ceil((instant - self.time) / stable * (1 - SAME_TIME))
+            left = math.ceil((instant - self.time) / method.stable_step() * (1 - SAME_TIME))
             dt = (instant - self.time) / max(left, 1)
             method.advance(dt)
             self.time = instant if left <= 1 else self.time + dt
             self.step += 1
             if left <= 1 or self.time - row.time >= case.output.history_interval:
                 row = self._record(dt)
+            check_step(self.time, self.first_step, case.guards, method)
             self.busy += clock.perf_counter() - began if self.step > 1 else 0.0
         return row
 
@@ -86,8 +86,14 @@ class Simulation:
             self.watch(self.time / self.model.case.time.end, row)
         energy = self.ledger.start.kinetic + self.ledger.start.stored
         self.errors = (max(self.errors[0], abs(row.numerical) / energy), max(self.errors[1], row.momentum_error))
-        check_row(row, energy, self.model.case.guards)
+        check_row(row, energy, self.model.case.guards, self.model.method)
         return row
+
+    def _keep_last_state(self) -> None:
+        """Keep what a guard stopped at, if there is anything new and finite to see."""
+        row = self.ledger.before
+        if all(map(math.isfinite, row)) and (not self.rows or row.time > self.rows[-1].time):
+            self._snapshot(row)
 
     def _snapshot(self, row: Row) -> None:
         fields = self.model.method.snapshot()

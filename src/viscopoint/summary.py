@@ -5,6 +5,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from viscopoint.body import Body
+from viscopoint.fem.mesh import quality
 from viscopoint.ledger import UNITS, Row
 from viscopoint.simulation import Outcome
 
@@ -13,7 +15,19 @@ KEYS = {
     "initial_energy": "initial_kinetic_energy [mJ]",
     "energy_error": "energy_error [%]",
     "momentum_error": "momentum_error [N ms]",
+    "least_jacobian": "least_scaled_jacobian",
+    "smallest_edge": "smallest_edge [mm]",
 }
+
+
+class MeshQuality(BaseModel):
+    """How far the worst elements are from cubes."""
+
+    model_config = ConfigDict(populate_by_name=True, strict=True, alias_generator=lambda name: KEYS.get(name, name))
+
+    least_jacobian: float  # scaled: 1 for a brick, 0 where an element degenerates
+    greatest_aspect: float  # longest edge over shortest
+    smallest_edge: float
 
 
 class Summary(BaseModel):
@@ -23,7 +37,9 @@ class Summary(BaseModel):
 
     status: Literal["running", "complete", "stopped", "interrupted"]
     reason: str = ""  # why it is not complete
-    points: int
+    points: int  # material points, or nodes
+    elements: int = 0
+    mesh: MeshQuality | None = None  # at the start
     steps: int = 0
     wall_time: float = 0.0  # of all steps but the first, which may compile
     initial_energy: float = Field(default=1.0, gt=0.0)
@@ -35,12 +51,21 @@ class Summary(BaseModel):
     )  # rows of the ledger; null: not a number
 
     @classmethod
-    def of(cls, outcome: Outcome, initial_energy: float, points: int) -> "Summary":
+    def of_start(cls, body: Body) -> "Summary":
+        """Return the summary of a run that goes on."""
+        mesh = MeshQuality(**quality(body.position, body.cells)._asdict()) if len(body.cells) else None
+        return cls(status="running", points=len(body.position), elements=len(body.cells), mesh=mesh)
+
+    @classmethod
+    def of(cls, outcome: Outcome, initial_energy: float, body: Body) -> "Summary":
         """Return the summary of a run that ended."""
+        start = cls.of_start(body)
         return cls(
             status=outcome.status,
             reason=outcome.reason,
-            points=points,
+            points=start.points,
+            elements=start.elements,
+            mesh=start.mesh,
             steps=outcome.steps,
             wall_time=outcome.wall_time,
             initial_energy=initial_energy,

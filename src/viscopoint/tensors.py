@@ -1,12 +1,13 @@
-"""Small tensors as values: symmetric (stress, strain) and general (velocity gradient, rotation) 3 x 3.
+"""Small tensors as values: vectors, symmetric (stress, strain) and general (velocity gradient, rotation) 3 x 3.
 
-A ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike, where it lives in
-registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
+A ``Vec`` or ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike, where it
+lives in registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
 """
 
+import inspect
 import math
 import operator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
 from numba import types
@@ -24,6 +25,24 @@ from numba.extending import (
 from viscopoint.jit import INLINED, inline
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
+
+
+@dataclass(frozen=True, slots=True)
+class Vec:
+    """A vector."""
+
+    x: float
+    y: float
+    z: float
+
+    def __add__(self, other: "Vec") -> "Vec":
+        return _add_vectors(self, other)
+
+    def __sub__(self, other: "Vec") -> "Vec":
+        return _subtract_vectors(self, other)
+
+    def __rmul__(self, factor: float) -> "Vec":
+        return _scale_vector(factor, self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +80,59 @@ class Matrix(NamedTuple):
     zz: float
 
 
-# --- operations ------------------------------------------------------------------------------------------------------
+# --- vectors ---------------------------------------------------------------------------------------------------------
+
+
+def _add_vectors(a: Vec, b: Vec) -> Vec:
+    return Vec(a.x + b.x, a.y + b.y, a.z + b.z)
+
+
+def _subtract_vectors(a: Vec, b: Vec) -> Vec:
+    return Vec(a.x - b.x, a.y - b.y, a.z - b.z)
+
+
+def _scale_vector(k: float, a: Vec) -> Vec:
+    return Vec(k * a.x, k * a.y, k * a.z)
+
+
+@inline
+def dot(a: Vec, b: Vec) -> float:
+    """Return a · b."""
+    return a.x * b.x + a.y * b.y + a.z * b.z
+
+
+@inline
+def cross(a: Vec, b: Vec) -> Vec:
+    """Return a x b."""
+    return Vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+
+
+# --- general tensors -------------------------------------------------------------------------------------------------
+
+
+@inline
+def from_rows(x: Vec, y: Vec, z: Vec) -> Matrix:
+    """Return the tensor with the given rows."""
+    return Matrix(x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z)
+
+
+@inline
+def applied(a: Matrix, v: Vec) -> Vec:
+    """Return a v."""
+    return Vec(
+        a.xx * v.x + a.xy * v.y + a.xz * v.z,
+        a.yx * v.x + a.yy * v.y + a.yz * v.z,
+        a.zx * v.x + a.zy * v.y + a.zz * v.z,
+    )
+
+
+@inline
+def determinant(a: Matrix) -> float:
+    """Return det a."""
+    return a.xx * (a.yy * a.zz - a.yz * a.zy) - a.xy * (a.yx * a.zz - a.yz * a.zx) + a.xz * (a.yx * a.zy - a.yy * a.zx)
+
+
+# --- symmetric tensors -----------------------------------------------------------------------------------------------
 
 
 def _add(a: Sym, b: Sym) -> Sym:
@@ -86,6 +157,14 @@ def spherical(mean: float) -> Sym:
 def trace(a: Sym) -> float:
     """Return tr a."""
     return a.xx + a.yy + a.zz
+
+
+@inline
+def stretched(a: Sym, v: Vec) -> Vec:
+    """Return a v."""
+    return Vec(
+        a.xx * v.x + a.xy * v.y + a.zx * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z, a.zx * v.x + a.yz * v.y + a.zz * v.z
+    )
 
 
 @inline
@@ -165,46 +244,47 @@ def components(a: Sym) -> tuple[float, float, float, float, float, float]:
     return (a.xx, a.yy, a.zz, a.xy, a.yz, a.zx)
 
 
-# --- Sym inside kernels ----------------------------------------------------------------------------------------------
+# --- values inside kernels -------------------------------------------------------------------------------------------
 
 
-class _SymType(types.Type):
-    def __init__(self) -> None:
-        super().__init__(name="Sym")
+def _register(value: type) -> type:
+    """Let kernels hold a class of floats as a struct, read its fields and construct it; return its Numba type."""
+    names = [field.name for field in fields(value)]
 
+    class ValueType(types.Type):
+        def __init__(self) -> None:
+            super().__init__(name=value.__name__)
 
-_SYM = _SymType()
+    kind = ValueType()
 
+    @typeof_impl.register(value)
+    def type_of(instance: Any, context: Any) -> Any:
+        return kind
 
-@typeof_impl.register(Sym)
-def _type_of(value: Sym, context: Any) -> Any:
-    return _SYM
+    @register_model(ValueType)
+    class ValueModel(models.StructModel):
+        def __init__(self, manager: Any, kind: Any) -> None:
+            super().__init__(manager, kind, [(name, types.float64) for name in names])
 
+    for name in names:
+        make_attribute_wrapper(ValueType, name, name)
 
-@register_model(_SymType)
-class _SymModel(models.StructModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, [(name, types.float64) for name in COMPONENTS])
+    @type_callable(value)
+    def type_constructor(context: Any) -> Any:
+        def typed(*given: Any, **named: Any) -> Any:
+            return kind
 
+        typed.__signature__ = inspect.signature(value)  # pyright: ignore[reportFunctionMemberAccess]  (Numba reads it)
+        return typed
 
-for _name in COMPONENTS:
-    make_attribute_wrapper(_SymType, _name, _name)
+    @lower_builtin(value, *[types.Any] * len(names))
+    def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        made = cgutils.create_struct_proxy(kind)(context, builder)
+        for name, given, given_kind in zip(names, values, signature.args, strict=True):
+            setattr(made, name, context.cast(builder, given, given_kind, types.float64))
+        return made._getvalue()
 
-
-@type_callable(Sym)
-def _type_sym(context: Any) -> Any:
-    def typed(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, zx: Any) -> Any:
-        return _SYM
-
-    return typed
-
-
-@lower_builtin(Sym, *[types.Any] * len(COMPONENTS))
-def _build_sym(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    tensor = cgutils.create_struct_proxy(_SYM)(context, builder)
-    for name, value, kind in zip(COMPONENTS, values, signature.args, strict=True):
-        setattr(tensor, name, context.cast(builder, value, kind, types.float64))
-    return tensor._getvalue()
+    return ValueType
 
 
 def _inside_kernels(symbol: Any, implementation: Any, left: type, right: type) -> None:
@@ -213,6 +293,10 @@ def _inside_kernels(symbol: Any, implementation: Any, left: type, right: type) -
         return implementation if isinstance(a, left) and isinstance(b, right) else None
 
 
-_inside_kernels(operator.add, _add, _SymType, _SymType)
-_inside_kernels(operator.sub, _subtract, _SymType, _SymType)
-_inside_kernels(operator.mul, _scale, types.Number, _SymType)
+for _value, _plus, _minus, _times in (
+    (_register(Vec), _add_vectors, _subtract_vectors, _scale_vector),
+    (_register(Sym), _add, _subtract, _scale),
+):
+    _inside_kernels(operator.add, _plus, _value, _value)
+    _inside_kernels(operator.sub, _minus, _value, _value)
+    _inside_kernels(operator.mul, _times, types.Number, _value)

@@ -5,6 +5,7 @@ import pytest
 
 import viscopoint as vp
 from viscopoint.case import merged
+from viscopoint.mpm.inputs import BoxInput, MPMInput
 
 
 def faults(changes: dict[str, object], name: str = "paper") -> dict[str, str]:
@@ -20,6 +21,7 @@ def test_paper_case_holds_the_paper_s_numbers():
     assert (case.impact.speed, case.impact.gap, case.impact.friction) == (150.0, 0.01, 0.0)
     law = case.material.build()
     assert law == pytest.approx((1e-3, 550.0, 5.0, 135.0, 650.0))
+    assert isinstance(case.method, MPMInput)
     assert (case.method.cell, case.method.spacing) == (0.5, 0.38)
     assert case.time.snapshots == pytest.approx((0.005, 0.01, 0.02))
 
@@ -78,7 +80,7 @@ def test_units_of_the_same_dimension_are_converted():
         ("material.decay", "-1 1/ms", "must not be less than 0"),
         ("material.decay", "650 ms", "wrong dimension"),
         ("material.law", "rubber", "allowed: elastic, elastic-plastic, linear-viscoelastic"),
-        ("method.name", "sph", "allowed: 'mpm'"),
+        ("method.name", "sph", "allowed: fem, mpm"),
         ("method.shape", "cubic", "allowed: trilinear"),
         ("method.scheme", "musll", "did you mean 'musl'"),
         ("method.pic_fraction", 1.5, "must not be greater than 1"),
@@ -150,16 +152,21 @@ def test_a_table_of_another_law_starts_afresh():
     assert merged(old, {"material": {"decay": "2 1/ms"}})["material"].keys() == {"law", "decay", "density"}
 
 
+def box_of(case: vp.Case) -> BoxInput:
+    method = case.resolved().method
+    assert isinstance(method, MPMInput)
+    assert method.box is not None
+    return method.box
+
+
 def test_default_box_reaches_from_the_wall_around_the_rod():
     tables = vp.Case.load("paper").to_tables()
     del tables["method"]["box"]
     case = vp.Case.from_tables(tables)
-    box = case.resolved().method.box
-    assert box is not None
+    box = box_of(case)
     assert box.x == (-4 * 3.8, 4 * 3.8)
     assert box.z == (-0.01, 2 * 25.4)
-    thick = case.with_(rod={"radius": "20 mm"}, impact={"gap": "5 mm"}).resolved().method.box  # the box follows
-    assert thick is not None
+    thick = box_of(case.with_(rod={"radius": "20 mm"}, impact={"gap": "5 mm"}))  # the box follows
     assert (thick.x, thick.z) == ((-80.0, 80.0), (-5.0, 2 * 25.4))
 
 

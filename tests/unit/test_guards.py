@@ -1,36 +1,45 @@
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
 import viscopoint as vp
 from viscopoint.guards import GuardError, check_row, check_step
 from viscopoint.inputs import Guards
 from viscopoint.ledger import Row
+from viscopoint.method import Advice
 
+METHOD: Any = SimpleNamespace(advice=Advice(*["because"] * 5), weakest=lambda: "element 7 is thin")
 ROW = Row._make([0] * len(Row._fields))._replace(time=0.0123, numerical=1.0)
 
 
+def at_step(step: float) -> Any:
+    return SimpleNamespace(**vars(METHOD), stable_step=lambda: step)
+
+
 def test_a_sound_row_passes():
-    check_row(ROW, 100.0, Guards())
-    check_step(0.0, 0.5, 1.0, Guards())
+    check_row(ROW, 100.0, Guards(), METHOD)
+    check_step(0.0, 1.0, Guards(), at_step(0.5))
 
 
 @pytest.mark.parametrize("name", ["kinetic", "length", "wall_force"])
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_what_is_not_finite_is_named_with_time_and_cause(name: str, value: float):
     with pytest.raises(GuardError, match=rf"t = 12.3 us: {name} is not finite. Likely cause"):
-        check_row(ROW._replace(**{name: value}), 100.0, Guards())
+        check_row(ROW._replace(**{name: value}), 100.0, Guards(), METHOD)
 
 
 @pytest.mark.parametrize("missing", [5.1, -5.1])
 def test_an_open_energy_ledger_stops(missing: float):
     with pytest.raises(GuardError, match=r"5\.1 % of the initial kinetic energy \(guards.energy_error allows 5 %\)"):
-        check_row(ROW._replace(numerical=missing), 100.0, Guards())
-    check_row(ROW._replace(numerical=missing), 100.0, Guards(energy_error=0.06))
+        check_row(ROW._replace(numerical=missing), 100.0, Guards(), METHOD)
+    check_row(ROW._replace(numerical=missing), 100.0, Guards(energy_error=0.06), METHOD)
 
 
 @pytest.mark.parametrize("step", [0.9e-3, 0.0, float("nan")])
 def test_a_collapsed_step_stops(step: float):
-    with pytest.raises(GuardError, match="the stable step fell to"):
-        check_step(0.0123, step, 1.0, Guards())
+    with pytest.raises(GuardError, match=r"t = 12.3 us: the stable step fell to .*; element 7 is thin. Likely cause"):
+        check_step(0.0123, 1.0, Guards(), at_step(step))
 
 
 def test_an_unstable_scheme_is_stopped_not_reported_as_a_result():
@@ -46,7 +55,7 @@ def test_points_that_leave_the_box_are_counted():
     # the foot spreads beyond a box that is hardly wider than the rod
     changes = {"method.box.x": ["-4 mm", "4 mm"], "guards.energy_error": 1.0}
     run = vp.run(vp.Case.load("paper", changes), figures=False)
-    lost = run.summary["snapshots"][-1]["points_lost"]
+    lost = run.summary["snapshots"][-1]["lost"]
     assert lost > 0
     snapshot = run.snapshot(-1)
     assert int(snapshot["lost"].sum()) == lost

@@ -22,7 +22,7 @@ def test_every_case_runs_to_the_end_with_a_closed_ledger(runs: dict[str, vp.Run]
         assert run.summary["energy_error [%]"] < 2.0
         # impulse and momentum are both sums over some 1e4 points and 1e2 steps of terms below 200 N ms
         assert run.summary["momentum_error [N ms]"] < 1e-10
-        assert last(run)["points_lost"] == 0
+        assert last(run)["lost"] == 0
 
 
 def test_elastic_control_agrees_with_public_codes(runs: dict[str, vp.Run]):

@@ -3,12 +3,10 @@
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field
-from pydantic_core import PydanticCustomError
+from pydantic import Field
 
 from viscopoint.body import Body, rod_lattice
-from viscopoint.errors import nearest
-from viscopoint.inputs import Impact, Rod, Table, machine_memory
+from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
 from viscopoint.laws import Law
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
@@ -16,22 +14,10 @@ from viscopoint.mpm.schemes import SCHEMES
 from viscopoint.mpm.shapes import SHAPES
 from viscopoint.rules import rule
 from viscopoint.units import Coordinate, Length
-from viscopoint.viscosity import BulkViscosity
 from viscopoint.wall import RigidWall
 
 MOST_CELLS = 1_000_000  # along an axis; only those around the body take memory
 BYTES_PER_POINT = 600  # points, grid, one snapshot being written: a generous count
-
-
-def _one_of(table: dict[str, Any]) -> Any:
-    """Return the type of a word that must be a key of ``table``."""
-
-    def known(name: str) -> str:
-        if name not in table:
-            raise PydanticCustomError("word", "is not known; {allowed}", {"allowed": nearest(name, table)})
-        return name
-
-    return Annotated[str, AfterValidator(known), Field(json_schema_extra={"enum": [*sorted(table)]})]
 
 
 Range = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
@@ -45,25 +31,24 @@ class BoxInput(Table):
     z: Range
 
 
-class BulkViscosityInput(Table):
-    """q = rho l |d| (linear c + quadratic l |d|) in compression."""
-
-    linear: float = Field(default=0.06, ge=0, le=1)
-    quadratic: float = Field(default=1.5, ge=0, le=10)
-
-
-class MPMInput(Table):
+class MPMInput(MethodInput):
     """``name = "mpm"``."""
 
     name: Literal["mpm"]
     cell: Length
     spacing: Length
-    shape: _one_of(SHAPES) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
-    scheme: _one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
+    shape: one_of(SHAPES) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
+    scheme: one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
     pic_fraction: float = Field(default=0.0, ge=0, le=1)
     safety: float = Field(default=0.2, gt=0, le=1)
-    bulk_viscosity: BulkViscosityInput = BulkViscosityInput()
     box: BoxInput | None = None
+
+    def resolution(self) -> float:
+        return self.spacing
+
+    @classmethod
+    def at_resolution(cls, distance: float) -> dict[str, Any]:
+        return {"name": "mpm", "spacing": f"{distance!r} mm", "cell": f"{2.0 * distance!r} mm"}
 
     def completed(self, rod: Rod, impact: Impact) -> "MPMInput":
         """Return the table with a box, by default wide enough for a mushroom and a rebound.
@@ -92,7 +77,7 @@ class MPMInput(Table):
             scheme=SCHEMES[self.scheme],
             pic=self.pic_fraction,
             safety=self.safety,
-            viscosity=BulkViscosity(self.bulk_viscosity.linear, self.bulk_viscosity.quadratic),
+            viscosity=self.bulk_viscosity.build(),
         )
         wall = RigidWall(-impact.gap, impact.friction)
         return MaterialPointMethod(self.body(rod), law, (wall,), choices, (0.0, 0.0, -impact.speed))

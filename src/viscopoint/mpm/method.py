@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 from viscopoint.arrays import Array, Rows
 from viscopoint.body import Body
 from viscopoint.laws import Law, step_factors
-from viscopoint.method import Field, Totals
+from viscopoint.method import Advice, Field, Totals, history_fields, von_mises_of
 from viscopoint.mpm.contact import TALLY, touch
 from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, forget_force, forget_momentum, lattice
 from viscopoint.mpm.points import Points, at_rest
 from viscopoint.mpm.schemes import Scheme
 from viscopoint.mpm.stress import sum_points, update_points
-from viscopoint.tensors import COMPONENTS
 from viscopoint.viscosity import BulkViscosity, signal_speed
 from viscopoint.wall import RigidWall, Symmetry
 
@@ -35,6 +34,17 @@ class Discretisation:
 
 class MaterialPointMethod:
     """A body of material points on a background grid, moving at ``velocity`` [mm/ms] at the start."""
+
+    advice = Advice(
+        lost="points left the box; give it more room (method.box)",
+        unstable="the integration became unstable; take a smaller method.safety, or the scheme 'musl' instead of "
+        "'usl', whose nodes of nearly no mass run away",
+        dissipating="the transfers dissipate (method.pic_fraction), or the integration is becoming unstable (scheme "
+        "'usl' does where points come to nodes of nearly no mass; 'musl' does not)",
+        gaining="noise of points that cross cells, or steps too long; take a smaller method.safety",
+        collapsed="points fly apart or are crushed: the integration became unstable, or the impact is too violent for "
+        "this resolution; look at the last snapshot",
+    )
 
     def __init__(
         self,
@@ -99,6 +109,8 @@ class MaterialPointMethod:
         sums = chunks.sum(axis=0)
         return Totals(
             *(float(energy) for energy in sums[:4]),
+            hourglass=0.0,
+            eroded=0.0,
             contact=-float(self.tally[3]),
             friction=-float(self.tally[4]),
             momentum=sums[5:8],
@@ -116,6 +128,9 @@ class MaterialPointMethod:
     def lost(self) -> int:
         return int(self.grid.start[-1] - self.grid.start[-2])
 
+    def weakest(self) -> str:
+        return ""
+
     def _lost(self) -> NDArray[np.uint64]:
         return self.grid.order[self.grid.start[-2] :]
 
@@ -128,18 +143,14 @@ class MaterialPointMethod:
             "displacement": Field(points.position - self.body.position, "mm"),
             "velocity": Field(points.velocity, "m/s"),
             "stress": Field(points.stress, "MPa"),
-            "von_mises": Field(_von_mises(points.stress), "MPa"),
+            "von_mises": Field(von_mises_of(points.stress), "MPa"),
             "pressure": Field(-points.stress[:, :3].mean(axis=1), "MPa"),
             "jacobian": Field(points.jacobian, "1"),
             "viscous_pressure": Field(points.viscous_pressure, "MPa"),
             "dissipated_energy": Field(points.dissipated, "mJ/mm^3"),
             "lost": Field(lost, "1"),
         }
-        column = 0
-        for name, size in self.law.history_fields:
-            values = points.history[:, column : column + size]
-            fields[name] = Field(values[:, 0] if size == 1 else values, "MPa" if size == len(COMPONENTS) else "1")
-            column += size
+        fields |= history_fields(self.law, points.history)
         return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
 
     def state(self) -> dict[str, Rows]:
@@ -151,8 +162,3 @@ class MaterialPointMethod:
         self.grid.critical[:] = state["critical"]
         self.tally = np.array(state["tally"])
         self._sort()
-
-
-def _von_mises(stress: Array) -> Array:
-    shape = stress[:, :3] - stress[:, :3].mean(axis=1, keepdims=True)
-    return np.sqrt(1.5 * (shape**2).sum(axis=1) + 3.0 * (stress[:, 3:] ** 2).sum(axis=1))

@@ -4,8 +4,6 @@ import math
 from typing import Any
 
 from numba import prange
-from numba.extending import overload
-from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from viscopoint.arrays import Array
 from viscopoint.jit import kernel
@@ -14,43 +12,9 @@ from viscopoint.laws import History, stored_energy, update_stress
 from viscopoint.mpm.grid import CHUNKS, Grid
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.transfers import around, gradient
+from viscopoint.rows import load, store
 from viscopoint.tensors import read, trace, write
 from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
-
-
-def load(row: Array, blank: History) -> History:
-    """Return a row of history values as a tuple as long as ``blank``, a length that kernels know when compiled."""
-    return tuple(row[: len(blank)])
-
-
-@overload(load, strict=False)
-def _load(row: Any, blank: Any) -> Any:
-    count = len(blank)
-
-    def some(row: Any, blank: Any) -> Any:
-        return to_fixed_tuple(row, count)  # pyright: ignore[reportCallIssue]  (an intrinsic)
-
-    def none(row: Any, blank: Any) -> Any:
-        return ()
-
-    return some if count else none
-
-
-def store(row: Array, values: History) -> None:
-    """Put history values back into their row."""
-    row[: len(values)] = values
-
-
-@overload(store, strict=False)
-def _store(row: Any, values: Any) -> Any:
-    def some(row: Any, values: Any) -> None:
-        for k in range(len(values)):
-            row[k] = values[k]
-
-    def none(row: Any, values: Any) -> None:
-        pass
-
-    return some if len(values) else none
 
 
 @kernel

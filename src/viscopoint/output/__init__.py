@@ -1,12 +1,14 @@
 """What a run leaves behind: one short file per kind of output, found by itself.
 
-A writer is made with the run's folder, sees every row of the ledger and every snapshot, and is closed at the end.
+A writer is made with the run's folder and the body, sees every row of the ledger and every snapshot, and is closed at
+the end.
 """
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol
 
+from viscopoint.body import Body
 from viscopoint.discovery import import_all
 from viscopoint.ledger import Row
 from viscopoint.method import Field
@@ -28,11 +30,11 @@ class Writer(Protocol):
         ...
 
 
-WRITERS: list[Callable[[Path], Writer]] = []
+WRITERS: list[Callable[[Path, Body], Writer]] = []
 
 
-def offer(writer: Callable[[Path], Writer]) -> Callable[[Path], Writer]:
-    """Let every run use the decorated writer, a class or a function of the run's folder."""
+def offer(writer: Callable[[Path, Body], Writer]) -> Callable[[Path, Body], Writer]:
+    """Let every run use the decorated writer, a class or a function of the run's folder and the body at the start."""
     WRITERS.append(writer)
     return writer
 

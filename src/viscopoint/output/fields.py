@@ -1,7 +1,7 @@
 """``fields.vtkhdf``: all fields at each snapshot, one file that ParaView and PyVista open as an animation.
 
-Temporal VTKHDF 2.3 of type UnstructuredGrid, the points as vertices. The cells are stored once; positions and fields
-are appended, and a snapshot counts (``NSteps``) only when all of it is there.
+Temporal VTKHDF 2.3 of type UnstructuredGrid: finite elements as hexahedra, material points as vertices. The cells are
+stored once; positions and fields are appended, and a snapshot counts (``NSteps``) only when all of it is there.
 """
 
 import errno
@@ -15,12 +15,15 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from viscopoint.arrays import Indices
+from viscopoint.body import Body
 from viscopoint.method import Field
 from viscopoint.output import offer
 
 NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
-VERTEX = 1  # VTK's cell type
+VERTEX, HEXAHEDRON = 1, 12  # VTK's cell types
+DATA = {"points": "PointData", "cells": "CellData"}
 CHUNK = 16_384  # rows compressed together
 RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
 
@@ -29,8 +32,8 @@ RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history 
 class Fields:
     """Appends snapshots; the file is closed in between."""
 
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / NAME
+    def __init__(self, folder: Path, body: Body) -> None:
+        self.path, self.cells = folder / NAME, body.cells
 
     def row(self, row: Any) -> None:
         pass
@@ -39,7 +42,7 @@ class Fields:
         _ensure_space(self.path.parent, sum(field.values.nbytes for field in fields.values()))
         with _opened(self.path, "a") as file:
             if "VTKHDF" not in file:
-                _begin(file, fields)
+                _begin(file, fields, self.cells)
             _append(file["VTKHDF"], time, fields)
 
     def close(self) -> None:
@@ -52,49 +55,60 @@ def _ensure_space(folder: Path, size: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
-def _begin(file: Any, fields: Mapping[str, Field]) -> None:
+def _begin(file: Any, fields: Mapping[str, Field], cells: Indices) -> None:
     """Create the file's groups, the cells and what never changes."""
     root = file.create_group("VTKHDF")
     root.attrs["Version"] = np.array([2, 3])
     root.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype=h5py.string_dtype("ascii", 16))
     points = len(fields["position"].values)
-    for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):
-        root[name] = np.array([points])
-    root["Connectivity"] = np.arange(points)
-    root["Offsets"] = np.arange(points + 1)
-    root["Types"] = np.full(points, VERTEX, np.uint8)
+    kind = HEXAHEDRON if len(cells) else VERTEX
+    cells = cells if len(cells) else np.arange(points)[:, None]
+    for name, count in (("NumberOfPoints", points), ("NumberOfCells", len(cells))):
+        root[name] = np.array([count])
+    root["NumberOfConnectivityIds"] = np.array([cells.size])
+    _whole(root, "Connectivity", cells.ravel())
+    _whole(root, "Offsets", np.arange(len(cells) + 1) * cells.shape[1])
+    _whole(root, "Types", np.full(len(cells), kind, np.uint8))
     _growing(root, "Points", fields["position"])
-    data = root.create_group("PointData")
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = 0
     for name, kind in (("Values", float), ("PartOffsets", int), ("NumberOfParts", int), ("PointOffsets", int)):
         steps.create_dataset(name, (0,), kind, maxshape=(None,))
     for name in ("CellOffsets", "ConnectivityIdOffsets"):
         steps.create_dataset(name, (0, 1), int, maxshape=(None, 1))
-    offsets = steps.create_group("PointDataOffsets")
+    for group in DATA.values():
+        root.create_group(group)
+        steps.create_group(f"{group}Offsets")
     for name, field in fields.items():
         if name != "position":
-            _growing(data, name, field)
-            offsets.create_dataset(name, (0,), int, maxshape=(None,))
-    _growing(data, INITIAL, fields["position"])
-    _extend(data[INITIAL], fields["position"].values - fields["displacement"].values)
-    offsets.create_dataset(INITIAL, (0,), int, maxshape=(None,))
+            _growing(root[DATA[field.on]], name, field)
+            steps[f"{DATA[field.on]}Offsets"].create_dataset(name, (0,), int, maxshape=(None,))
+    _growing(root["PointData"], INITIAL, fields["position"])
+    _extend(root["PointData"][INITIAL], fields["position"].values - fields["displacement"].values)
+    steps["PointDataOffsets"].create_dataset(INITIAL, (0,), int, maxshape=(None,))
 
 
 def _append(root: Any, time: float, fields: Mapping[str, Field]) -> None:
     """Add a snapshot: first its data, then where it lies, at last that it is there."""
-    steps, data = root["Steps"], root["PointData"]
+    steps = root["Steps"]
     before = root["Points"].shape[0]
     count = int(steps.attrs["NSteps"])
     for name, field in fields.items():
-        _extend(root["Points"] if name == "position" else data[name], field.values)
-    for name, dataset in steps["PointDataOffsets"].items():
-        _extend(dataset, [0 if name == INITIAL else before])
+        data = root if name == "position" else root[DATA[field.on]]
+        _extend(data["Points" if name == "position" else name], field.values)
+    for group, size in (("PointData", before), ("CellData", count * int(root["NumberOfCells"][0]))):
+        for name, dataset in steps[f"{group}Offsets"].items():
+            _extend(dataset, [0 if name == INITIAL else size])
     for name, entry in (("Values", time), ("PartOffsets", 0), ("NumberOfParts", 1), ("PointOffsets", before)):
         _extend(steps[name], [entry])
     for name in ("CellOffsets", "ConnectivityIdOffsets"):
         _extend(steps[name], [[0]])
     steps.attrs["NSteps"] = count + 1
+
+
+def _whole(group: Any, name: str, values: NDArray[Any]) -> None:
+    """Store an array that never changes."""
+    group.create_dataset(name, data=values, compression="gzip", compression_opts=1, shuffle=True)
 
 
 def _growing(group: Any, name: str, field: Field) -> None:
@@ -129,11 +143,13 @@ def read(path: Path, number: int) -> dict[str, Field]:
     """Return all fields of a snapshot, by its number."""
     with _opened(path, "r") as file:
         root = file["VTKHDF"]
-        points = int(root["NumberOfPoints"][0])
+        counts = {"points": int(root["NumberOfPoints"][0]), "cells": int(root["NumberOfCells"][0])}
 
-        def rows(dataset: Any, offset: int) -> Field:
-            return Field(dataset[offset : offset + points], str(dataset.attrs["unit"]))
+        def rows(dataset: Any, offset: int, on: Any) -> Field:
+            return Field(dataset[offset : offset + counts[on]], str(dataset.attrs["unit"]), on)
 
-        offsets = root["Steps/PointDataOffsets"]
-        fields = {"position": rows(root["Points"], int(root["Steps/PointOffsets"][number]))}
-        return fields | {name: rows(data, int(offsets[name][number])) for name, data in root["PointData"].items()}
+        fields = {"position": rows(root["Points"], int(root["Steps/PointOffsets"][number]), "points")}
+        for on, group in DATA.items():
+            offsets = root[f"Steps/{group}Offsets"]
+            fields |= {name: rows(data, int(offsets[name][number]), on) for name, data in root[group].items()}
+        return fields

@@ -4,6 +4,7 @@ import csv
 from collections.abc import Mapping
 from pathlib import Path
 
+from viscopoint.body import Body
 from viscopoint.ledger import UNITS, Row
 from viscopoint.method import Field
 from viscopoint.output import offer
@@ -15,7 +16,7 @@ NAME = "history.csv"
 class History:
     """Writes lines as they come, so that an interrupted run keeps them."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, body: Body) -> None:
         self.file = (folder / NAME).open("w", newline="", encoding="utf-8")
         self.table = csv.writer(self.file)
         self.table.writerow(f"{name} [{unit}]" for name, unit in UNITS.items())

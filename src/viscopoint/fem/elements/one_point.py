@@ -1,0 +1,175 @@
+"""The one-point hexahedron: mean strain, and hourglass control (Flanagan & Belytschko 1981)."""
+
+import math
+from typing import Any, NamedTuple
+
+from numba import prange
+
+from viscopoint.fem.elements import Limits, offer
+from viscopoint.fem.hexahedron import (
+    Gradient,
+    Hourglass,
+    Modes,
+    mean_gradient,
+    modes,
+    moved,
+    smallest_length,
+    spread,
+    volume,
+    volume_gradient,
+)
+from viscopoint.fem.hourglass import resist
+from viscopoint.fem.mesh import Slabs
+from viscopoint.fem.state import Elements, Nodes
+from viscopoint.jit import inline, kernel
+from viscopoint.kinematics import strain_and_turn
+from viscopoint.laws import History, update_stress
+from viscopoint.rows import load, store
+from viscopoint.tensors import Matrix, Sym, applied, read, spherical, trace, write
+from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
+
+
+@offer("one-point")
+class OnePoint(NamedTuple):
+    """One integration point; the hourglass modes are left to ``hourglass``."""
+
+    hourglass: Any
+
+    @classmethod
+    def controlled(cls, hourglass: Any) -> "OnePoint":
+        return cls(hourglass)
+
+    @property
+    def points(self) -> int:
+        return 1
+
+    @property
+    def memory(self) -> int:
+        return self.hourglass.memory
+
+    def answer(
+        self, nodes: Nodes, elements: Elements, slabs: Slabs, limits: Limits, law: Any, factors: Any, blank: History,
+        sound: float, viscosity: BulkViscosity, dt: float,
+    ) -> None:  # fmt: skip
+        """Take the nodes' motion over the step to stresses, and add the elements' forces to the nodes."""
+        kept = (0.0,) * self.memory
+        strain_one_point(
+            nodes, elements, slabs, limits, law, factors, blank, self.hourglass, kept, sound, viscosity, dt
+        )
+
+
+@kernel
+def strain_one_point(
+    nodes: Nodes, elements: Elements, slabs: Slabs, limits: Limits, law: Any, factors: Any, blank: History,
+    hourglass: Any, kept: tuple[float, ...], sound: float, viscosity: BulkViscosity, dt: float,
+) -> None:  # fmt: skip
+    """Update J, σ, bulk viscosity and hourglass forces of each element; spread its forces to its corners."""
+    alive, jacobian, viscous_pressure = elements.alive, elements.jacobian, elements.viscous_pressure
+    dissipated, viscous_loss, hourglass_work = elements.dissipated, elements.viscous_loss, elements.hourglass_work
+    critical, weakest = limits.critical, limits.weakest
+    count = len(slabs.start) - 1
+    for colour in range(2):
+        for pair in prange((count - colour + 1) // 2):
+            slab = 2 * pair + colour
+            least, where = math.inf, -1
+            for q in range(slabs.start[slab], slabs.start[slab + 1]):
+                e = slabs.order[q]
+                if not alive[e]:
+                    continue
+                corner = elements.corner[e]
+                place, flow = modes(nodes.position, corner), modes(nodes.velocity, corner)
+                middle = moved(place, -0.5 * dt, flow)
+                half = volume_gradient(middle)
+                mid_volume = volume(middle, half)
+                reach = volume_gradient(place)  # ∂V/∂x
+                now = volume(place, reach)
+                if not (now > 0.0 and mid_volume > 0.0):  # turned inside out
+                    alive[e] = limits.delete_below < 0.0
+                    if alive[e] and least > 0.0:
+                        least, where = 0.0, e
+                    continue
+                strain, turn = strain_and_turn(mean_gradient(flow, half, dt / mid_volume))
+                before, after = jacobian[e], now / elements.volume[e, 0]
+                stress, history, loss = update_stress(
+                    law, factors, strain, turn, after, read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
+                )
+                write(elements.stress[e, 0], stress)
+                store(elements.history[e, 0], history)
+                jacobian[e] = after
+                dissipated[e, 0] += after * loss
+
+                length, here = smallest_length(reach, now), sound * math.sqrt(after)
+                rate = trace(strain) / dt
+                damping = viscous_speed(viscosity, length, here, rate)
+                pressure = law.density / after * length * abs(rate) * damping
+                swept = elements.volume[e, 0] * trace(strain)
+                viscous_loss[e] -= 0.5 * swept * (before * viscous_pressure[e] + after * pressure)
+                viscous_pressure[e] = pressure
+
+                mean = mean_gradient(flow, reach, 1.0 / now)
+                force, memory, work = resist(
+                    hourglass, load(elements.memory[e], kept), unexplained(flow, mean, place), turn, dt,
+                    law.density * elements.volume[e, 0], here, length,
+                )  # fmt: skip
+                store(elements.memory[e], memory)
+                hourglass_work[e] += work
+
+                step = length / signal_speed(here, damping)
+                if step < limits.delete_below:
+                    alive[e] = 0
+                    continue
+                if step < least:
+                    least, where = step, e
+                spread(nodes.force, corner, nodal(stress - spherical(pressure), force, place, reach, now))
+            critical[slab], weakest[slab] = least, where
+
+
+@inline
+def unexplained(flow: Modes, mean: Matrix, place: Modes) -> Hourglass:
+    """Return the velocity of the hourglass modes less what the mean gradient explains, q = v_α - L x_α."""
+    return Hourglass(
+        flow.eta_zeta - applied(mean, place.eta_zeta),
+        flow.zeta_xi - applied(mean, place.zeta_xi),
+        flow.xi_eta - applied(mean, place.xi_eta),
+        flow.all - applied(mean, place.all),
+    )
+
+
+@inline
+def nodal(pull: Sym, h: Hourglass, place: Modes, reach: Gradient, volume: float) -> Modes:
+    """Return an eighth of the forces on the modes: -σ ∂V/∂x, and those of the hourglass control.
+
+    The power of the latter, Σ h·q, is Σ h·v_α - (Σ h ⊗ x_α) : L with L = Σ v_m ⊗ ∂V/∂x_m / V; the second part acts
+    like a stress.
+    """
+    d, e, f, g = place.eta_zeta, place.zeta_xi, place.xi_eta, place.all
+    k = 1.0 / volume
+    xx = pull.xx + k * (h.eta_zeta.x * d.x + h.zeta_xi.x * e.x + h.xi_eta.x * f.x + h.all.x * g.x)
+    xy = pull.xy + k * (h.eta_zeta.x * d.y + h.zeta_xi.x * e.y + h.xi_eta.x * f.y + h.all.x * g.y)
+    xz = pull.zx + k * (h.eta_zeta.x * d.z + h.zeta_xi.x * e.z + h.xi_eta.x * f.z + h.all.x * g.z)
+    yx = pull.xy + k * (h.eta_zeta.y * d.x + h.zeta_xi.y * e.x + h.xi_eta.y * f.x + h.all.y * g.x)
+    yy = pull.yy + k * (h.eta_zeta.y * d.y + h.zeta_xi.y * e.y + h.xi_eta.y * f.y + h.all.y * g.y)
+    yz = pull.yz + k * (h.eta_zeta.y * d.z + h.zeta_xi.y * e.z + h.xi_eta.y * f.z + h.all.y * g.z)
+    zx = pull.zx + k * (h.eta_zeta.z * d.x + h.zeta_xi.z * e.x + h.xi_eta.z * f.x + h.all.z * g.x)
+    zy = pull.yz + k * (h.eta_zeta.z * d.y + h.zeta_xi.z * e.y + h.xi_eta.z * f.y + h.all.z * g.y)
+    zz = pull.zz + k * (h.eta_zeta.z * d.z + h.zeta_xi.z * e.z + h.xi_eta.z * f.z + h.all.z * g.z)
+    total = Matrix(
+        -0.125 * xx,
+        -0.125 * xy,
+        -0.125 * xz,
+        -0.125 * yx,
+        -0.125 * yy,
+        -0.125 * yz,
+        -0.125 * zx,
+        -0.125 * zy,
+        -0.125 * zz,
+    )
+    return Modes(
+        applied(total, reach.xi),
+        applied(total, reach.eta),
+        applied(total, reach.zeta),
+        applied(total, reach.eta_zeta) + 0.125 * h.eta_zeta,
+        applied(total, reach.zeta_xi) + 0.125 * h.zeta_xi,
+        applied(total, reach.xi_eta) + 0.125 * h.xi_eta,
+        0.125 * h.all,
+    )

@@ -1,0 +1,139 @@
+"""The selectively reduced hexahedron: 2 x 2 x 2 points for shear, one mean dilatation (B-bar; Hughes 1980)."""
+
+import math
+from typing import Any, NamedTuple
+
+from numba import prange
+
+from viscopoint.fem.elements import Limits, offer
+from viscopoint.fem.hexahedron import (
+    ETA,
+    GAUSS,
+    XI,
+    ZETA,
+    Modes,
+    areas,
+    gathered,
+    local_gradient,
+    mean_gradient,
+    modes,
+    moved,
+    slopes,
+    spread,
+    volume,
+    volume_gradient,
+)
+from viscopoint.fem.mesh import Slabs
+from viscopoint.fem.state import Elements, Nodes
+from viscopoint.jit import kernel
+from viscopoint.kinematics import strain_and_turn
+from viscopoint.laws import History, update_stress
+from viscopoint.rows import load, store
+from viscopoint.tensors import deviator, dot, read, spherical, trace, write
+from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
+
+
+@offer("selective")
+class Selective(NamedTuple):
+    """Eight integration points; nothing to control."""
+
+    @classmethod
+    def controlled(cls, hourglass: Any) -> "Selective":  # noqa: ARG003  (nothing to control)
+        return cls()
+
+    @property
+    def points(self) -> int:
+        return 8
+
+    @property
+    def memory(self) -> int:
+        return 0
+
+    def answer(
+        self, nodes: Nodes, elements: Elements, slabs: Slabs, limits: Limits, law: Any, factors: Any, blank: History,
+        sound: float, viscosity: BulkViscosity, dt: float,
+    ) -> None:  # fmt: skip
+        """Take the nodes' motion over the step to stresses, and add the elements' forces to the nodes."""
+        strain_selective(nodes, elements, slabs, limits, law, factors, blank, sound, viscosity, dt)
+
+
+@kernel
+def strain_selective(
+    nodes: Nodes, elements: Elements, slabs: Slabs, limits: Limits, law: Any, factors: Any, blank: History,
+    sound: float, viscosity: BulkViscosity, dt: float,
+) -> None:  # fmt: skip
+    """Update J and bulk viscosity of each element, σ of its points; spread its forces to its corners."""
+    alive, jacobian, viscous_pressure = elements.alive, elements.jacobian, elements.viscous_pressure
+    dissipated, viscous_loss = elements.dissipated, elements.viscous_loss
+    critical, weakest = limits.critical, limits.weakest
+    count = len(slabs.start) - 1
+    for colour in range(2):
+        for pair in prange((count - colour + 1) // 2):
+            slab = 2 * pair + colour
+            least, where = math.inf, -1
+            for q in range(slabs.start[slab], slabs.start[slab + 1]):
+                e = slabs.order[q]
+                if not alive[e]:
+                    continue
+                corner = elements.corner[e]
+                place, flow = modes(nodes.position, corner), modes(nodes.velocity, corner)
+                middle = moved(place, -0.5 * dt, flow)
+                half, reach = volume_gradient(middle), volume_gradient(place)
+                now = volume(place, reach)
+                reference = 0.0
+                for k in range(8):
+                    reference += elements.volume[e, k]
+                before, after = jacobian[e], now / reference
+                stretch = mean_gradient(flow, half, dt / volume(middle, half))
+                swelling = stretch.xx + stretch.yy + stretch.zz
+                on, mean, sharpest, whole = moved(place, -1.0, place), 0.0, 0.0, now > 0.0
+                for k in range(8):
+                    xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
+                    mid_faces, mid_det = areas(slopes(middle, xi, eta, zeta))
+                    faces, det = areas(slopes(place, xi, eta, zeta))
+                    whole = whole and det > 0.0 and mid_det > 0.0
+                    if not whole:  # turned inside out
+                        break
+                    gradient = local_gradient(slopes(flow, xi, eta, zeta), mid_faces, dt / mid_det)
+                    strain, turn = strain_and_turn(gradient)
+                    strain = deviator(strain) + spherical(swelling / 3.0)
+                    stress, history, loss = update_stress(
+                        law, factors, strain, turn, after, read(elements.stress[e, k]),
+                        load(elements.history[e, k], blank),
+                    )  # fmt: skip
+                    write(elements.stress[e, k], stress)
+                    store(elements.history[e, k], history)
+                    dissipated[e, k] += after * loss
+                    mean += det * trace(stress) / 3.0
+                    pull = -0.125 * deviator(stress)
+                    on = gathered(on, pull, faces, xi, eta, zeta)
+                    area = max(dot(faces.xi, faces.xi), max(dot(faces.eta, faces.eta), dot(faces.zeta, faces.zeta)))
+                    sharpest = max(sharpest, area / (det * det))
+                if not whole:
+                    alive[e] = limits.delete_below < 0.0
+                    if alive[e] and least > 0.0:
+                        least, where = 0.0, e
+                    continue
+                jacobian[e] = after
+                length, here = 2.0 / math.sqrt(sharpest), sound * math.sqrt(after)
+                damping = viscous_speed(viscosity, length, here, swelling / dt)
+                pressure = law.density / after * length * abs(swelling / dt) * damping
+                viscous_loss[e] -= 0.5 * reference * swelling * (before * viscous_pressure[e] + after * pressure)
+                viscous_pressure[e] = pressure
+                step = length / signal_speed(here, damping)
+                if step < limits.delete_below:
+                    alive[e] = 0
+                    continue
+                if step < least:
+                    least, where = step, e
+                mean = -0.125 * (mean / now - pressure)
+                spread(nodes.force, corner, Modes(
+                    on.xi + mean * reach.xi,
+                    on.eta + mean * reach.eta,
+                    on.zeta + mean * reach.zeta,
+                    on.eta_zeta + mean * reach.eta_zeta,
+                    on.zeta_xi + mean * reach.zeta_xi,
+                    on.xi_eta + mean * reach.xi_eta,
+                    on.all,
+                ))  # fmt: skip
+            critical[slab], weakest[slab] = least, where

@@ -1,0 +1,223 @@
+"""The trilinear hexahedron, described by its modes.
+
+With reference coordinates ξ, η, ζ in [-1, 1], any field that the eight corner values span is
+
+    x(ξ, η, ζ) = x_0 + a ξ + b η + c ζ + d ηζ + e ζξ + f ξη + g ξηζ
+
+The constant says nothing of strain. Three modes are linear; the other four, which a uniform strain does not see, are
+the hourglass modes. Corners are numbered as VTK does: the lower face around, then the upper one.
+
+The force that works on a mode is the sum of the corner forces with the mode's signs; ``spread`` takes an eighth of it
+to each corner.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from viscopoint.arrays import Array
+from viscopoint.jit import inline
+from viscopoint.tensors import Matrix, Sym, Vec, cross, dot, from_rows, stretched
+
+GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 x 2 rule, whose points stand like the corners
+#                  0     1     2     3     4     5     6     7
+XI = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0])
+ETA = np.array([-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0])
+ZETA = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
+
+
+class Modes(NamedTuple):
+    """A vector field over the element, less its mean."""
+
+    xi: Vec  # a
+    eta: Vec  # b
+    zeta: Vec  # c
+    eta_zeta: Vec  # d
+    zeta_xi: Vec  # e
+    xi_eta: Vec  # f
+    all: Vec  # g, of ξηζ
+
+
+class Hourglass(NamedTuple):
+    """The part of a field that the uniform gradient does not see."""
+
+    eta_zeta: Vec
+    zeta_xi: Vec
+    xi_eta: Vec
+    all: Vec
+
+
+class Gradient(NamedTuple):
+    """∂V/∂(modes of x) = ∫∇N over the element, by modes; that of ξηζ is nil."""
+
+    xi: Vec
+    eta: Vec
+    zeta: Vec
+    eta_zeta: Vec
+    zeta_xi: Vec
+    xi_eta: Vec
+
+
+class Slopes(NamedTuple):
+    """Three vectors that belong to the directions of ξ, η and ζ."""
+
+    xi: Vec
+    eta: Vec
+    zeta: Vec
+
+
+@inline
+def modes(values: Array, corner: Any) -> Modes:
+    """Return the modes of the nodal ``values[n, 3]`` at the nodes ``corner[8]`` of an element."""
+    a, b, c, d = _row(values, corner[0]), _row(values, corner[1]), _row(values, corner[2]), _row(values, corner[3])
+    e, f, g, h = _row(values, corner[4]), _row(values, corner[5]), _row(values, corner[6]), _row(values, corner[7])
+    ba, cd, fe, gh = b - a, c - d, f - e, g - h
+    ab, dc, ef, hg = a + b, c + d, e + f, g + h
+    lower, upper, lower_eta, upper_eta = ba + cd, fe + gh, cd - ba, gh - fe
+    front, back, bottom, top = dc - ab, hg - ef, ab + dc, ef + hg
+    return Modes(
+        xi=0.125 * (lower + upper),
+        eta=0.125 * (front + back),
+        zeta=0.125 * (top - bottom),
+        eta_zeta=0.125 * (back - front),
+        zeta_xi=0.125 * (upper - lower),
+        xi_eta=0.125 * (lower_eta + upper_eta),
+        all=0.125 * (upper_eta - lower_eta),
+    )
+
+
+@inline
+def spread(force: Array, corner: Any, on: Modes) -> None:
+    """Add to the nodal ``force[n, 3]`` the corner forces of which ``on`` is an eighth of the forces on the modes."""
+    p, q, r = on.xi - on.zeta_xi, on.eta - on.eta_zeta, on.xi_eta - on.all
+    t, u, v = on.xi + on.zeta_xi, on.eta + on.eta_zeta, on.xi_eta + on.all
+    along, across = p + q, p - q
+    _add(force, corner[0], r - on.zeta - along)
+    _add(force, corner[1], across - r - on.zeta)
+    _add(force, corner[2], along + r - on.zeta)
+    _add(force, corner[3], (-1.0) * (across + r) - on.zeta)
+    along, across = t + u, t - u
+    _add(force, corner[4], on.zeta + v - along)
+    _add(force, corner[5], on.zeta + across - v)
+    _add(force, corner[6], on.zeta + along + v)
+    _add(force, corner[7], on.zeta - across - v)
+
+
+@inline
+def moved(place: Modes, step: float, velocity: Modes) -> Modes:
+    """Return place + step velocity."""
+    return Modes(
+        place.xi + step * velocity.xi,
+        place.eta + step * velocity.eta,
+        place.zeta + step * velocity.zeta,
+        place.eta_zeta + step * velocity.eta_zeta,
+        place.zeta_xi + step * velocity.zeta_xi,
+        place.xi_eta + step * velocity.xi_eta,
+        place.all + step * velocity.all,
+    )
+
+
+@inline
+def volume_gradient(place: Modes) -> Gradient:
+    """Return ∂V/∂x for V = 8 [a·(b x c) - (a·(e x f) + b·(f x d) + c·(d x e)) / 3]."""
+    a, b, c, d, e, f, _ = place
+    third = 8.0 / 3.0
+    return Gradient(
+        8.0 * cross(b, c) - third * cross(e, f),
+        8.0 * cross(c, a) - third * cross(f, d),
+        8.0 * cross(a, b) - third * cross(d, e),
+        (-third) * (cross(b, f) + cross(e, c)),
+        (-third) * (cross(f, a) + cross(c, d)),
+        (-third) * (cross(a, e) + cross(d, b)),
+    )
+
+
+@inline
+def volume(place: Modes, gradient: Gradient) -> float:
+    """Return the exact volume of the element, a cubic in its modes: by Euler, a third of x·∂V/∂x."""
+    return (
+        dot(place.xi, gradient.xi) + dot(place.eta, gradient.eta) + dot(place.zeta, gradient.zeta)
+        + dot(place.eta_zeta, gradient.eta_zeta) + dot(place.zeta_xi, gradient.zeta_xi)
+        + dot(place.xi_eta, gradient.xi_eta)
+    ) / 3.0  # fmt: skip
+
+
+@inline
+def mean_gradient(field: Modes, gradient: Gradient, scale: float) -> Matrix:
+    """Return scale ∫∂field/∂x over the element: the field's mean gradient for scale = 1/V."""
+    a, b, c, d, e, f, _ = field
+    return from_rows(
+        scale * _weighted(gradient, a.x, b.x, c.x, d.x, e.x, f.x),
+        scale * _weighted(gradient, a.y, b.y, c.y, d.y, e.y, f.y),
+        scale * _weighted(gradient, a.z, b.z, c.z, d.z, e.z, f.z),
+    )
+
+
+@inline
+def slopes(field: Modes, xi: float, eta: float, zeta: float) -> Slopes:
+    """Return the derivatives of a field along ξ, η and ζ at a place in the element."""
+    return Slopes(
+        field.xi + zeta * field.zeta_xi + eta * field.xi_eta + (eta * zeta) * field.all,
+        field.eta + zeta * field.eta_zeta + xi * field.xi_eta + (zeta * xi) * field.all,
+        field.zeta + eta * field.eta_zeta + xi * field.zeta_xi + (xi * eta) * field.all,
+    )
+
+
+@inline
+def areas(tangents: Slopes) -> tuple[Slopes, float]:
+    """Return the cross products of the tangents ∂x/∂ξ, each normal to two of them, and their determinant."""
+    a, b, c = tangents.xi, tangents.eta, tangents.zeta
+    normal = cross(b, c)
+    return Slopes(normal, cross(c, a), cross(a, b)), dot(a, normal)
+
+
+@inline
+def local_gradient(field: Slopes, faces: Slopes, scale: float) -> Matrix:
+    """Return scale det ∂field/∂x at the place where field and ``areas`` were taken."""
+    a, b, c = field
+    return from_rows(
+        scale * (a.x * faces.xi + b.x * faces.eta + c.x * faces.zeta),
+        scale * (a.y * faces.xi + b.y * faces.eta + c.y * faces.zeta),
+        scale * (a.z * faces.xi + b.z * faces.eta + c.z * faces.zeta),
+    )
+
+
+@inline
+def gathered(on: Modes, pull: Sym, faces: Slopes, xi: float, eta: float, zeta: float) -> Modes:
+    """Add to the forces on the modes those of a stress at a place of weight one: the transpose of ``slopes``."""
+    a, b, c = stretched(pull, faces.xi), stretched(pull, faces.eta), stretched(pull, faces.zeta)
+    return Modes(
+        on.xi + a,
+        on.eta + b,
+        on.zeta + c,
+        on.eta_zeta + zeta * b + eta * c,
+        on.zeta_xi + zeta * a + xi * c,
+        on.xi_eta + eta * a + xi * b,
+        on.all + (eta * zeta) * a + (zeta * xi) * b + (xi * eta) * c,
+    )
+
+
+@inline
+def smallest_length(gradient: Gradient, volume: float) -> float:
+    """Return the least of the element's three thicknesses, V over the area of a section between opposite faces."""
+    xi, eta, zeta = gradient.xi, gradient.eta, gradient.zeta
+    largest = max(dot(xi, xi), max(dot(eta, eta), dot(zeta, zeta)))
+    return 2.0 * volume / math.sqrt(largest)
+
+
+@inline
+def _weighted(w: Gradient, a: float, b: float, c: float, d: float, e: float, f: float) -> Vec:
+    return a * w.xi + b * w.eta + c * w.zeta + d * w.eta_zeta + e * w.zeta_xi + f * w.xi_eta
+
+
+@inline
+def _row(values: Array, n: Any) -> Vec:
+    return Vec(values[n, 0], values[n, 1], values[n, 2])
+
+
+@inline
+def _add(values: Array, n: Any, v: Vec) -> None:
+    values[n, 0] += v.x
+    values[n, 1] += v.y
+    values[n, 2] += v.z

@@ -1,0 +1,131 @@
+"""Control of the hourglass modes of one-point elements (Flanagan & Belytschko 1981).
+
+The four modes that a uniform strain does not see deform an element without stress. A force h on each resists it; as it
+works on the modes less what the mean gradient explains of them, it disturbs neither uniform strain nor rotation.
+"""
+
+from typing import Any, NamedTuple
+
+from viscopoint.fem.hexahedron import Hourglass
+from viscopoint.jit import generic, implements, inline
+from viscopoint.tensors import Matrix, Vec, applied, dot
+
+
+class ViscousControl(NamedTuple):
+    """h = -16 coefficient rho c (V/l) q', the damper of DYNA3D: LS-DYNA's form 1 (with l for the cube root of V)."""
+
+    coefficient: float = 0.1  # Q_hg
+
+    @property
+    def memory(self) -> int:
+        return 0
+
+
+class StiffnessControl(NamedTuple):
+    """h' = -coefficient M (V/l²) q', turning with the element: a spring on each mode.
+
+    M = K + 4G/3 of a sudden strain. With coefficient 1 a mode would vibrate with c/l.
+    """
+
+    coefficient: float = 0.05
+
+    @property
+    def memory(self) -> int:
+        return 12
+
+
+HOURGLASS: dict[str, type[ViscousControl] | type[StiffnessControl]] = {
+    "viscous": ViscousControl,
+    "stiffness": StiffnessControl,
+}
+
+
+@generic
+def resist(
+    control: Any,
+    memory: tuple[float, ...],
+    rate: Hourglass,
+    turn: Matrix,
+    dt: float,
+    mass: float,
+    sound: float,
+    length: float,
+) -> tuple[Hourglass, tuple[float, ...], float]:
+    """Return the forces on the four modes, the memory of them and the work done against them [mJ].
+
+    Args:
+        control: the control.
+        memory: what it kept from the step before.
+        rate: velocity of the modes [mm/ms].
+        turn: rotation over the step.
+        dt: step [ms].
+        mass: of the element [g].
+        sound: wave speed [mm/ms].
+        length: the element's smallest [mm].
+    """
+    raise NotImplementedError
+
+
+@implements(resist, ViscousControl)
+def damp(
+    control: ViscousControl,
+    memory: tuple[float, ...],
+    rate: Hourglass,
+    turn: Matrix,
+    dt: float,
+    mass: float,
+    sound: float,
+    length: float,
+) -> tuple[Hourglass, tuple[float, ...], float]:
+    force = scaled(-16.0 * control.coefficient * mass * sound / length, rate)
+    return force, memory, -dt * power(force, rate)
+
+
+@implements(resist, StiffnessControl)
+def spring(
+    control: StiffnessControl,
+    memory: tuple[float, ...],
+    rate: Hourglass,
+    turn: Matrix,
+    dt: float,
+    mass: float,
+    sound: float,
+    length: float,
+) -> tuple[Hourglass, tuple[float, ...], float]:
+    before = Hourglass(
+        applied(turn, Vec(memory[0], memory[1], memory[2])),
+        applied(turn, Vec(memory[3], memory[4], memory[5])),
+        applied(turn, Vec(memory[6], memory[7], memory[8])),
+        applied(turn, Vec(memory[9], memory[10], memory[11])),
+    )
+    strength = -control.coefficient * mass * (sound / length) ** 2 * dt
+    force = Hourglass(
+        before.eta_zeta + strength * rate.eta_zeta,
+        before.zeta_xi + strength * rate.zeta_xi,
+        before.xi_eta + strength * rate.xi_eta,
+        before.all + strength * rate.all,
+    )
+    kept = (
+        force.eta_zeta.x, force.eta_zeta.y, force.eta_zeta.z,
+        force.zeta_xi.x, force.zeta_xi.y, force.zeta_xi.z,
+        force.xi_eta.x, force.xi_eta.y, force.xi_eta.z,
+        force.all.x, force.all.y, force.all.z,
+    )  # fmt: skip
+    return force, kept, -0.5 * dt * (power(before, rate) + power(force, rate))
+
+
+@inline
+def scaled(factor: float, of: Hourglass) -> Hourglass:
+    """Return factor times the modes."""
+    return Hourglass(factor * of.eta_zeta, factor * of.zeta_xi, factor * of.xi_eta, factor * of.all)
+
+
+@inline
+def power(force: Hourglass, rate: Hourglass) -> float:
+    """Return Σ h · q'."""
+    return (
+        dot(force.eta_zeta, rate.eta_zeta)
+        + dot(force.zeta_xi, rate.zeta_xi)
+        + dot(force.xi_eta, rate.xi_eta)
+        + dot(force.all, rate.all)
+    )

@@ -1,0 +1,128 @@
+"""The ``[method]`` table of the finite element method."""
+
+import shutil
+from pathlib import Path
+from typing import Any, Literal, Self
+
+from pydantic import Field
+
+from viscopoint.body import Body
+from viscopoint.fem.elements import ELEMENTS
+from viscopoint.fem.hourglass import HOURGLASS, StiffnessControl, ViscousControl
+from viscopoint.fem.method import Discretisation, FiniteElementMethod
+from viscopoint.fem.reading import read_rod
+from viscopoint.fem.rod import rod_elements, rod_mesh
+from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
+from viscopoint.laws import Law
+from viscopoint.rules import rule
+from viscopoint.units import Length
+from viscopoint.wall import RigidWall
+
+BYTES_PER_ELEMENT = 1500  # of eight points, with nodes and one snapshot being written: a generous count
+
+
+class HourglassInput(Table):
+    """Control of the one-point element's hourglass modes (Flanagan & Belytschko 1981)."""
+
+    form: one_of(HOURGLASS) = "viscous"  # pyright: ignore[reportInvalidTypeForm]
+    coefficient: float | None = Field(default=None, ge=0, le=1)
+
+    def build(self) -> ViscousControl | StiffnessControl:
+        """Return the control, with its usual coefficient if none is given."""
+        control = HOURGLASS[self.form]
+        return control() if self.coefficient is None else control(self.coefficient)
+
+
+class FEMInput(MethodInput):
+    """``name = "fem"``."""
+
+    name: Literal["fem"]
+    size: Length | None = None
+    grading: float = Field(default=1.0, ge=0.01, le=100)
+    mesh: str | None = Field(default=None, min_length=1, max_length=1000)
+    mesh_unit: Length = 1.0
+    element: one_of(ELEMENTS) = "one-point"  # pyright: ignore[reportInvalidTypeForm]
+    hourglass: HourglassInput = HourglassInput()
+    safety: float = Field(default=0.9, gt=0, le=1)
+    delete_below: float = Field(default=0.0, ge=0, lt=1)
+
+    def resolution(self) -> float:
+        return self.size or 0.0
+
+    @classmethod
+    def at_resolution(cls, distance: float) -> dict[str, Any]:
+        return {"name": "fem", "size": f"{distance!r} mm"}
+
+    def completed(self, rod: Rod, impact: Impact) -> Self:
+        """Return the table with the hourglass coefficient spelt out."""
+        control = self.hourglass.model_copy(update={"coefficient": self.hourglass.build().coefficient})
+        return self.model_copy(update={"hourglass": control})
+
+    def kept_in(self, folder: Path) -> Self:
+        """Copy the mesh file into a run folder and return the table that refers to the copy."""
+        if self.mesh is None:
+            return self
+        name = f"mesh{Path(self.mesh).suffix.lower()}"
+        shutil.copyfile(self.mesh, folder / name)
+        return self.model_copy(update={"mesh": name})
+
+    def body(self, rod: Rod) -> Body:
+        """Return the rod's mesh; raise ``InputError`` if that of a file will not do."""
+        if self.mesh is not None:
+            return read_rod(Path(self.mesh), self.mesh_unit, rod.radius, rod.length)
+        assert self.size is not None
+        return rod_mesh(rod.radius, rod.length, self.size, self.grading)
+
+    def build(self, rod: Rod, impact: Impact, law: Law) -> FiniteElementMethod:
+        """Return the rod as finite elements on their way to the wall."""
+        choices = Discretisation(
+            element=ELEMENTS[self.element].controlled(self.hourglass.build()),
+            safety=self.safety,
+            viscosity=self.bulk_viscosity.build(),
+            delete_below=self.delete_below,
+        )
+        wall = RigidWall(-impact.gap, impact.friction)
+        return FiniteElementMethod(self.body(rod), law, (wall,), choices, (0.0, 0.0, -impact.speed))
+
+
+@rule("method.size", "method.mesh")
+def size_or_mesh(size: float | None, mesh: str | None) -> str | None:
+    if (size is None) == (mesh is None):
+        told = "is missing" if size is None else "cannot be given with method.mesh, whose elements have theirs"
+        return f'{told}; write an element size such as "0.38 mm", or name a file with method.mesh'
+    return None
+
+
+@rule("method.size", "rod.radius")
+def size_within_radius(size: float | None, radius: float) -> str | None:
+    if size is None or size <= radius:
+        return None
+    return f"{size:g} mm is larger than the rod: rod.radius is {radius:g} mm"
+
+
+@rule("method.size", "rod.length")
+def size_within_length(size: float | None, length: float) -> str | None:
+    if size is None or 2.0 * size <= length:
+        return None
+    return f"{size:g} mm leaves no two layers of elements in rod.length, {length:g} mm"
+
+
+@rule("method.size", "method.grading", "rod.radius", "rod.length")
+def elements_within_memory(size: float | None, grading: float, radius: float, length: float) -> str | None:
+    if size is None:
+        return None
+    elements = rod_elements(radius, length, size, grading)
+    needed, there = elements * BYTES_PER_ELEMENT / 2**30, machine_memory() / 2**30
+    if needed <= there:
+        return None
+    return (
+        f"{size:g} mm gives {elements:.1e} elements, about {needed:.3g} GiB; there are {there:.3g}: take a larger one"
+    )
+
+
+@rule("method.hourglass.coefficient", "method.hourglass.form", "method.safety")
+def damper_is_stable(coefficient: float | None, form: str, safety: float) -> str | None:
+    most = 0.125 / safety  # 16 coefficient c/l times the step, safety l/c, must not pass 2
+    if form != "viscous" or coefficient is None or coefficient <= most:
+        return None
+    return f"{coefficient:g} is unstable at method.safety {safety:g}: the viscous form takes at most {most:.3g}"

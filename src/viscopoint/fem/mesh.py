@@ -1,0 +1,138 @@
+"""A mesh of hexahedra: its elements in slabs that threads share, its volumes and its quality.
+
+Elements are visited slab by slab. A slab is ``LEVELS`` levels of neighbours, counted from the lowest nodes up, so that
+slabs of one colour (even, odd) share no node: threads add to nodes without atomics, and every node sums its elements in
+the same order, whatever the thread count.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from viscopoint.arrays import Array, Indices
+from viscopoint.fem.hexahedron import ETA, GAUSS, XI, ZETA, modes, smallest_length, volume, volume_gradient
+from viscopoint.jit import kernel
+
+LEVELS = 2  # a node touches at most two levels, so that slabs of two do not meet beyond the next one
+EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))  # seen from outside
+
+
+class Slabs(NamedTuple):
+    """The order in which kernels visit the elements."""
+
+    order: NDArray[np.uint64]  # [e]
+    start: Indices  # [slabs + 1], where each slab begins in ``order``
+
+
+class Quality(NamedTuple):
+    """How far the worst elements are from cubes."""
+
+    least_jacobian: float  # scaled: det of the unit edge vectors at a corner, 1 for a brick
+    greatest_aspect: float  # longest edge over shortest edge
+    smallest_edge: float  # mm
+
+
+def slabs(position: Array, corner: Indices) -> Slabs:
+    """Sort elements into slabs by their distance, in elements, from the lowest nodes."""
+    level = np.full(len(corner), -1)
+    reached = np.zeros(len(position), bool)
+    height = position[:, 2]
+    deepest = 0
+    while (rest := level < 0).any():
+        found = rest & reached[corner].any(axis=1)
+        if not found.any():  # the start, or another body
+            foot = height[corner[rest]].min()
+            found = rest & (height[corner] <= foot + 1e-9 * np.ptp(height)).any(axis=1)
+        level[found] = deepest
+        reached[corner[found]] = True
+        deepest += 1
+    slab = level // LEVELS
+    return Slabs(
+        np.argsort(level, kind="stable").astype(np.uint64),
+        np.concatenate([[0], np.cumsum(np.bincount(slab))]).astype(np.int64),
+    )
+
+
+def shape_functions(xi: float, eta: float, zeta: float) -> Array:
+    """Return the eight N at a place in the element."""
+    return (1 + XI * xi) * (1 + ETA * eta) * (1 + ZETA * zeta) / 8
+
+
+def jacobians(position: Array, corner: Indices, xi: float, eta: float, zeta: float) -> Array:
+    """Return det ∂x/∂ξ of each element at a place in it."""
+    slopes = [
+        XI * (1 + ETA * eta) * (1 + ZETA * zeta) / 8,
+        ETA * (1 + XI * xi) * (1 + ZETA * zeta) / 8,
+        ZETA * (1 + XI * xi) * (1 + ETA * eta) / 8,
+    ]
+    along = [np.einsum("k,ekd->ed", slope, position[corner]) for slope in slopes]
+    return np.einsum("ed,ed->e", along[0], np.cross(along[1], along[2]))
+
+
+def gauss_places() -> list[tuple[float, float, float]]:
+    """Return the points of the 2 x 2 x 2 rule, in the order of the corners."""
+    return [
+        (GAUSS * float(xi), GAUSS * float(eta), GAUSS * float(zeta))
+        for xi, eta, zeta in zip(XI, ETA, ZETA, strict=True)
+    ]
+
+
+def point_volumes(position: Array, corner: Indices) -> Array:
+    """Return the volume that each of an element's 2 x 2 x 2 points stands for, ``[e, 8]`` [mm^3]."""
+    return np.column_stack([jacobians(position, corner, *place) for place in gauss_places()])
+
+
+def node_volumes(position: Array, corner: Indices) -> Array:
+    """Return the volume that each node stands for, ∫N over its elements [mm^3]."""
+    shares = point_volumes(position, corner) @ np.array([shape_functions(*place) for place in gauss_places()])
+    return np.bincount(corner.ravel(), shares.ravel(), minlength=len(position)).astype(float)
+
+
+def smallest_lengths(position: Array, corner: Indices) -> Array:
+    """Return the least thickness of each element [mm]."""
+    lengths = np.empty(len(corner))
+    _measure_thickness(position, corner.astype(np.uint64), lengths)
+    return lengths
+
+
+@kernel
+def _measure_thickness(position: Array, corner: NDArray[np.uint64], lengths: Array) -> None:
+    for e in prange(len(corner)):
+        place = modes(position, corner[e])
+        gradient = volume_gradient(place)
+        lengths[e] = smallest_length(gradient, volume(place, gradient))
+
+
+def quality(position: Array, corner: Indices) -> Quality:
+    """Measure the mesh; elements that are degenerate or inverted have a scaled Jacobian of zero or less."""
+    x = position[corner]
+    edges = np.stack([np.linalg.norm(x[:, b] - x[:, a], axis=1) for a, b in EDGES])
+    return Quality(
+        float(scaled_jacobians(position, corner).min()),
+        float((edges.max(axis=0) / np.maximum(edges.min(axis=0), np.finfo(float).tiny)).max()),
+        float(edges.min()),
+    )
+
+
+def scaled_jacobians(position: Array, corner: Indices) -> Array:
+    """Return the least determinant of the three unit edge vectors at a corner, of each element."""
+    x = position[corner]
+    least = np.full(len(corner), np.inf)
+    for k in range(len(XI)):
+        along = [j for j in range(len(XI)) if sum((XI[j] != XI[k], ETA[j] != ETA[k], ZETA[j] != ZETA[k])) == 1]
+        towards = sorted(along, key=lambda j, k=k: (XI[j] == XI[k], ETA[j] == ETA[k]))  # along xi, eta, zeta
+        vectors = [x[:, j] - x[:, k] for j in towards]
+        sizes = np.prod([np.linalg.norm(vector, axis=1) for vector in vectors], axis=0)
+        volume = np.einsum("ed,ed->e", vectors[0], np.cross(vectors[1], vectors[2])) * -XI[k] * -ETA[k] * -ZETA[k]
+        least = np.minimum(least, np.divide(volume, sizes, out=np.zeros_like(volume), where=sizes > 0))
+    return least
+
+
+def outer_faces(corner: Indices) -> Indices:
+    """Return the quadrilaterals that belong to one element only, ``[f, 4]`` nodes counted from outside."""
+    faces = np.concatenate([corner[:, face] for face in FACES])
+    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return faces[np.sort(first[count == 1])]

@@ -1,0 +1,184 @@
+"""The finite element method as the driver sees it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viscopoint.arrays import Array, Rows
+from viscopoint.body import Body
+from viscopoint.fem.elements import Element, Limits
+from viscopoint.fem.mesh import point_volumes, scaled_jacobians, slabs, smallest_lengths
+from viscopoint.fem.motion import TALLY, arrive, set_off
+from viscopoint.fem.state import CHUNKS, Elements, Nodes, elements_at_rest, nodes_at_rest, sum_elements, sum_nodes
+from viscopoint.laws import Law, step_factors
+from viscopoint.method import Advice, Field, Totals, history_fields, von_mises_of
+from viscopoint.viscosity import BulkViscosity
+from viscopoint.wall import RigidWall, Symmetry
+
+ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane of symmetry stand on it
+NO_WALL = RigidWall(-np.inf, 0.0)
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """The choices that make a finite element method."""
+
+    element: Element  # of ``fem.elements``
+    safety: float  # share of the critical step to take
+    viscosity: BulkViscosity
+    delete_below: float = 0.0  # delete elements whose stable step falls below this share of the first; 0: none, ever
+
+
+class FiniteElementMethod:
+    """A body of hexahedra, moving at ``velocity`` [mm/ms] at the start."""
+
+    advice = Advice(
+        lost="too much of the body was deleted (method.delete_below)",
+        unstable="the integration became unstable; take a smaller method.safety",
+        dissipating="the hourglass control, or the integration is becoming unstable; take a smaller method.safety",
+        gaining="the integration is becoming unstable; take a smaller method.safety",
+        collapsed="the mesh is too distorted. Take larger elements there (method.size) or a smaller impact speed, let "
+        "such elements be deleted (method.delete_below), or use the material point method, which has no mesh to tangle",
+    )
+
+    def __init__(
+        self,
+        body: Body,
+        law: Law,
+        boundaries: tuple[RigidWall | Symmetry, ...],
+        choices: Discretisation,
+        velocity: tuple[float, float, float] | Array,
+    ) -> None:
+        self.body, self.law, self.element = body, law, choices.element
+        self.safety, self.viscosity = choices.safety, choices.viscosity
+        self.blank = (0.0,) * sum(size for _, size in law.history_fields)
+        self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
+        volume = point_volumes(body.position, body.cells)
+        volume = volume if self.element.points > 1 else volume.sum(axis=1, keepdims=True)
+        self.nodes: Nodes = nodes_at_rest(body.position, body.cells, law.density)
+        self.elements: Elements = elements_at_rest(body.cells, volume, len(self.blank), self.element.memory)
+        self.slabs = slabs(body.position, body.cells)
+        self.wall = NO_WALL
+        for boundary in boundaries:
+            self._stand_between(boundary)
+        self.nodes.velocity[:] = velocity
+        count = len(self.slabs.start) - 1
+        first = float(smallest_lengths(body.position, body.cells).min()) / self.sound
+        self.limits = Limits(
+            critical=np.full(count, first),
+            weakest=np.full(count, -1),
+            delete_below=choices.delete_below * first or -1.0,
+        )
+        self.tally = np.zeros(TALLY)  # of wall and planes of symmetry, since the start
+
+    def _stand_between(self, boundary: RigidWall | Symmetry) -> None:
+        if isinstance(boundary, RigidWall):
+            self.wall = boundary
+            return
+        place = self.body.position[:, boundary.axis]
+        on = np.abs(place - boundary.position) <= ON_PLANE * np.ptp(self.body.position, axis=0).max()
+        self.nodes.fixed[on] |= np.uint8(1 << boundary.axis)
+
+    def stable_step(self) -> float:
+        return self.safety * float(self.limits.critical.min())
+
+    def advance(self, dt: float) -> None:
+        """One step of velocity Verlet (central differences)."""
+        nodes, tally = self.nodes, np.zeros((CHUNKS, TALLY))
+        factors = step_factors(self.law, dt)
+        set_off(nodes, self.wall, dt, tally)  # v += f/m dt/2, wall, x += v dt
+        self.element.answer(  # F, sigma, f
+            nodes, self.elements, self.slabs, self.limits, self.law, factors, self.blank, self.sound, self.viscosity, dt
+        )
+        arrive(nodes, self.wall, dt, tally)  # v += f/m dt/2, wall
+        self.tally += tally.sum(axis=0)
+
+    # --- what the driver and the outputs ask ---
+
+    def weakest(self) -> str:
+        element = int(self.limits.weakest[self.limits.critical.argmin()])
+        if element < 0:
+            return ""
+        x, y, z = self.nodes.position[self.body.cells[element]].mean(axis=0)
+        state = "turned inside out" if self.limits.critical.min() <= 0.0 else "the thinnest"
+        return f"element {element}, at ({x:.3g}, {y:.3g}, {z:.3g}) mm, is {state}"
+
+    def totals(self) -> Totals:
+        moving, straining = np.zeros((CHUNKS, 5)), np.zeros((CHUNKS, 5))
+        sum_nodes(self.nodes, moving)
+        sum_elements(self.elements, self.law, self.blank, straining)
+        kinetic, mass, *momentum = moving.sum(axis=0)
+        stored, dissipated, viscous, hourglass, eroded = (float(energy) for energy in straining.sum(axis=0))
+        return Totals(
+            kinetic=float(kinetic),
+            stored=stored,
+            dissipated=dissipated,
+            viscous=viscous,
+            hourglass=hourglass,
+            eroded=eroded,
+            contact=-float(self.tally[3]),
+            friction=-float(self.tally[4]),
+            momentum=np.array(momentum),
+            impulse=self.tally[:3].copy(),
+            mass=float(mass),
+        )
+
+    def positions(self) -> Array:
+        if self.lost() == 0:
+            return self.nodes.position
+        found = self.nodes.position.copy()
+        found[self._loose()] = np.nan
+        return found
+
+    def lost(self) -> int:
+        return len(self.elements.alive) - int(np.count_nonzero(self.elements.alive))
+
+    def _loose(self) -> NDArray[np.bool_]:
+        """Return which nodes belong to deleted elements only."""
+        loose = np.ones(len(self.nodes.mass), bool)
+        loose[self.body.cells[self.elements.alive > 0]] = False
+        return loose
+
+    def snapshot(self) -> dict[str, Field]:
+        nodes, elements = self.nodes, self.elements
+        stress = self._mean(elements.stress)
+        fields = {
+            "position": Field(nodes.position, "mm"),
+            "displacement": Field(nodes.position - self.body.position, "mm"),
+            "velocity": Field(nodes.velocity, "m/s"),
+            "lost": Field(self._loose().astype(np.uint8), "1"),
+            "stress": Field(stress, "MPa", "cells"),
+            "von_mises": Field(von_mises_of(stress), "MPa", "cells"),
+            "pressure": Field(-stress[:, :3].mean(axis=1), "MPa", "cells"),
+            "jacobian": Field(elements.jacobian, "1", "cells"),
+            "scaled_jacobian": Field(scaled_jacobians(nodes.position, self.body.cells), "1", "cells"),
+            "viscous_pressure": Field(elements.viscous_pressure, "MPa", "cells"),
+            "dissipated_energy": Field(self._mean(elements.dissipated), "mJ/mm^3", "cells"),
+            "hourglass_energy": Field(elements.hourglass_work / elements.volume.sum(axis=1), "mJ/mm^3", "cells"),
+            "deleted": Field((elements.alive == 0).astype(np.uint8), "1", "cells"),
+        }
+        fields |= history_fields(self.law, self._mean(elements.history), "cells")
+        return {name: field._replace(values=np.array(field.values)) for name, field in fields.items()}
+
+    def _mean(self, values: Array) -> Array:
+        """Average over each element's points by their volume."""
+        weight = self.elements.volume / self.elements.volume.sum(axis=1, keepdims=True)
+        return np.einsum("ek,ek...->e...", weight, values)
+
+    def state(self) -> dict[str, Rows]:
+        named = {**self.nodes._asdict(), **self.elements._asdict()}
+        kept = {name: np.array(values) for name, values in named.items()}
+        return {
+            **kept,
+            "critical": self.limits.critical.copy(),
+            "weakest": self.limits.weakest.copy(),
+            "tally": self.tally.copy(),
+        }
+
+    def restore(self, state: dict[str, Rows]) -> None:
+        self.nodes = Nodes(**{name: np.array(state[name]) for name in Nodes._fields})
+        self.elements = Elements(**{name: np.array(state[name]) for name in Elements._fields})
+        self.limits.critical[:] = state["critical"]
+        self.limits.weakest[:] = state["weakest"]
+        self.tally = np.array(state["tally"])

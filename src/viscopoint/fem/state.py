@@ -1,0 +1,111 @@
+"""All state of a finite element body, as arrays that kernels read by name."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from viscopoint.arrays import Array, Indices
+from viscopoint.fem.mesh import node_volumes
+from viscopoint.jit import kernel
+from viscopoint.laws import History, stored_energy
+from viscopoint.rows import load
+from viscopoint.tensors import read
+
+CHUNKS = 64  # pieces in which sums are taken, so that they do not depend on the thread count
+
+
+class Nodes(NamedTuple):
+    """Where the mesh is and how it moves."""
+
+    position: Array  # [n, 3], mm
+    velocity: Array  # [n, 3], mm/ms
+    force: Array  # [n, 3], of the elements, N
+    mass: Array  # [n], lumped, g
+    fixed: NDArray[np.uint8]  # [n], bit a: held along axis a
+    pressed: NDArray[np.uint8]  # [n], on the wall during this step
+
+
+class Elements(NamedTuple):
+    """What the elements carry; an element has one or eight integration points, k."""
+
+    corner: NDArray[np.uint64]  # [e, 8], nodes
+    alive: NDArray[np.uint8]  # [e], 0 where it was deleted
+    volume: Array  # [e, k], reference volume of each point, mm^3
+    jacobian: Array  # [e], J of the whole element
+    stress: Array  # [e, k, 6], Cauchy, xx yy zz xy yz zx, MPa
+    viscous_pressure: Array  # [e], of the bulk viscosity, MPa
+    history: Array  # [e, k, h], the law's
+    dissipated: Array  # [e, k], by the law per reference volume, mJ/mm^3
+    viscous_loss: Array  # [e], by the bulk viscosity, mJ
+    memory: Array  # [e, m], of the hourglass control
+    hourglass_work: Array  # [e], taken by the hourglass control, mJ
+
+
+def nodes_at_rest(position: Array, corner: Indices, density: float) -> Nodes:
+    """Return the nodes of a mesh with their share of its mass."""
+    count = len(position)
+    return Nodes(
+        position=position.copy(),
+        velocity=np.zeros((count, 3)),
+        force=np.zeros((count, 3)),
+        mass=density * node_volumes(position, corner),
+        fixed=np.zeros(count, np.uint8),
+        pressed=np.zeros(count, np.uint8),
+    )
+
+
+def elements_at_rest(corner: Indices, volume: Array, history_size: int, memory_size: int) -> Elements:
+    """Return stress-free elements; ``volume[e, k]`` says how many points each has."""
+    count, points = volume.shape
+    return Elements(
+        corner=corner.astype(np.uint64),
+        alive=np.ones(count, np.uint8),
+        volume=volume,
+        jacobian=np.ones(count),
+        stress=np.zeros((count, points, 6)),
+        viscous_pressure=np.zeros(count),
+        history=np.zeros((count, points, history_size)),
+        dissipated=np.zeros((count, points)),
+        viscous_loss=np.zeros(count),
+        memory=np.zeros((count, memory_size)),
+        hourglass_work=np.zeros(count),
+    )
+
+
+@kernel
+def sum_nodes(nodes: Nodes, sums: Array) -> None:
+    """Sum over each chunk of nodes kinetic energy, mass and momentum into ``sums[chunk, 5]``."""
+    total = len(nodes.mass)
+    for chunk in prange(CHUNKS):
+        row = sums[chunk]
+        for n in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
+            m, v = nodes.mass[n], nodes.velocity[n]
+            row[0] += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            row[1] += m
+            for a in range(3):
+                row[2 + a] += m * v[a]
+
+
+@kernel
+def sum_elements(elements: Elements, law: Any, blank: History, sums: Array) -> None:
+    """Sum over each chunk of elements into ``sums[chunk, 5]``, in mJ.
+
+    The energies are: stored, dissipated by the law, by the bulk viscosity, taken by the hourglass control, and stored
+    in elements when they were deleted.
+    """
+    total = len(elements.alive)
+    for chunk in prange(CHUNKS):
+        row = sums[chunk]
+        for e in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
+            stored = 0.0
+            for k in range(elements.volume.shape[1]):
+                volume = elements.volume[e, k]
+                stored += volume * stored_energy(
+                    law, elements.jacobian[e], read(elements.stress[e, k]), load(elements.history[e, k], blank)
+                )
+                row[1] += volume * elements.dissipated[e, k]
+            row[0 if elements.alive[e] else 4] += stored
+            row[2] += elements.viscous_loss[e]
+            row[3] += elements.hourglass_work[e]

@@ -4,7 +4,7 @@ import contextlib
 import json
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,11 @@ from viscopoint.errors import InputError
 CASE, PROVENANCE, SUMMARY, FIGURES = "case.toml", "provenance.json", "summary.json", "figures"
 
 
-def check_free(folder: Path, force: bool) -> None:
-    """Raise ``InputError`` if a run may not be put here; with ``force``, an earlier run is no hindrance."""
+def check_free(folder: Path, force: bool, needed: Iterable[Path] = ()) -> None:
+    """Raise ``InputError`` if a run may not be put here; with ``force``, an earlier run is no hindrance.
+
+    Unless it holds a file that is ``needed``: it would be removed before it is read.
+    """
     with _place_faults(folder):
         if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
             return
@@ -22,6 +25,9 @@ def check_free(folder: Path, force: bool) -> None:
             raise InputError(f"output folder {folder}: already there, and no run folder; choose another place")
         if not force:
             raise InputError(f"output folder {folder}: already there; --force replaces it, --out chooses another place")
+        for file in needed:
+            if file.resolve().is_relative_to(folder.resolve()):
+                raise InputError(f"output folder {folder}: holds {file}, which the case needs; choose another place")
 
 
 def create(folder: Path, force: bool) -> None:

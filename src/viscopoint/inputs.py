@@ -75,6 +75,10 @@ class MethodInput(Table):
     def completed(self, rod: "Rod", impact: "Impact") -> Self:
         """Return the table with what it leaves to be derived from other tables."""
 
+    def files(self) -> tuple[Path, ...]:
+        """Return the files that the table refers to."""
+        return ()
+
     def kept_in(self, folder: Path) -> Self:
         """Copy files that the table refers to into a run folder; return the table that refers to the copies."""
         return self

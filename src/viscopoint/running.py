@@ -40,7 +40,7 @@ def run(
         OutputError: the results could not be written.
     """
     if out is not None:
-        check_free(Path(out), force)  # before anything takes time
+        check_free(Path(out), force, case.method.files())  # before anything takes time
     model = build(case)
     _bound_steps(model)
     folder = Path(mkdtemp(prefix="viscopoint-") if out is None else out)

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from viscopoint.case import Case
 from viscopoint.cli import app
+from viscopoint.fem.inputs import FEMInput
 
 QUICK = [
     "--set",
@@ -148,15 +149,28 @@ def test_cases_new_and_schema(tmp_path: Path):
     assert call("run", file, "--out", tmp_path / "run", "--no-figures", *QUICK)[0] == 0
 
 
+def uncommented(lines: list[str], besides: str) -> str:
+    """Return the lines with keys that were commented out, but for one that shows no default."""
+    return "\n".join(line[2:] if line.startswith("# ") and not line.startswith(besides) else line for line in lines)
+
+
 def test_starter_case_shows_the_true_defaults(tmp_path: Path):
     file = tmp_path / "mine.toml"
     call("new", file)
-    lines = file.read_text().splitlines()
-    shown = [
-        line[2:] if line.startswith(("# [", "# ")) and not line.startswith("# law") else line for line in lines[4:]
-    ]
-    assert any(line.startswith("energy_error") for line in shown)
-    assert Case.from_tables(tomllib.loads("\n".join(shown))) == Case.load(file).resolved()
+    shown = uncommented(file.read_text().splitlines()[4:], besides="# law")
+    assert "\nenergy_error" in shown
+    assert Case.from_tables(tomllib.loads(shown)) == Case.load(file).resolved()
+
+
+def test_starter_case_shows_the_finite_element_method_as_the_alternative(tmp_path: Path):
+    file = tmp_path / "mine.toml"
+    call("new", file)
+    table = [line[3:] for line in file.read_text().splitlines() if line.startswith("## ")]
+    shown, kept = (tomllib.loads(text) for text in (uncommented(table, besides="# mesh ="), "\n".join(table)))
+    case = Case.load(file).to_tables()
+    assert Case.from_tables(case | shown) == Case.from_tables(case | kept).resolved()
+    assert kept["method"] == {"name": "fem", "size": "0.38 mm"}
+    assert set(shown["method"]) | {"mesh"} == set(FEMInput.model_fields)
 
 
 def test_ctrl_c_ends_with_code_130_and_keeps_what_was_computed(tmp_path: Path):

@@ -207,6 +207,22 @@ def smallest_length(gradient: Gradient, volume: float) -> float:
 
 
 @inline
+def stable_length(gradient: Gradient, volume: float) -> float:
+    """Return l such that no element frequency exceeds 2c/l: 1/l² = Σ 1/l_k² of a brick's three edges.
+
+    The power of a stress is Σ v_m · σ ∂V/∂x_m and the element's mass moves with v_m², so that by Cauchy and Schwarz
+    ω² <= M Σ |∂V/∂x_m|² / (ρ V²) (after Flanagan & Belytschko 1984). The smallest edge alone, l/c, is too long a step
+    where an element swells along all three axes at once, as it easily does in a soft solid of high bulk modulus.
+    """
+    total = (
+        dot(gradient.xi, gradient.xi) + dot(gradient.eta, gradient.eta) + dot(gradient.zeta, gradient.zeta)
+        + dot(gradient.eta_zeta, gradient.eta_zeta) + dot(gradient.zeta_xi, gradient.zeta_xi)
+        + dot(gradient.xi_eta, gradient.xi_eta)
+    )  # fmt: skip
+    return 2.0 * volume / math.sqrt(total)
+
+
+@inline
 def _weighted(w: Gradient, a: float, b: float, c: float, d: float, e: float, f: float) -> Vec:
     return a * w.xi + b * w.eta + c * w.zeta + d * w.eta_zeta + e * w.zeta_xi + f * w.xi_eta
 

@@ -24,7 +24,7 @@ BYTES_PER_ELEMENT = 1500  # of eight points, with nodes and one snapshot being w
 class HourglassInput(Table):
     """Control of the one-point element's hourglass modes (Flanagan & Belytschko 1981)."""
 
-    form: one_of(HOURGLASS) = "viscous"  # pyright: ignore[reportInvalidTypeForm]
+    form: one_of(HOURGLASS) = "stiffness"  # pyright: ignore[reportInvalidTypeForm]
     coefficient: float | None = Field(default=None, ge=0, le=1)
 
     def build(self) -> ViscousControl | StiffnessControl:
@@ -43,7 +43,7 @@ class FEMInput(MethodInput):
     mesh_unit: Length = 1.0
     element: one_of(ELEMENTS) = "one-point"  # pyright: ignore[reportInvalidTypeForm]
     hourglass: HourglassInput = HourglassInput()
-    safety: float = Field(default=0.9, gt=0, le=1)
+    safety: float = Field(default=0.95, gt=0, le=1)
     delete_below: float = Field(default=0.0, ge=0, lt=1)
 
     def resolution(self) -> float:
@@ -57,6 +57,9 @@ class FEMInput(MethodInput):
         """Return the table with the hourglass coefficient spelt out."""
         control = self.hourglass.model_copy(update={"coefficient": self.hourglass.build().coefficient})
         return self.model_copy(update={"hourglass": control})
+
+    def files(self) -> tuple[Path, ...]:
+        return (Path(self.mesh),) if self.mesh is not None else ()
 
     def kept_in(self, folder: Path) -> Self:
         """Copy the mesh file into a run folder and return the table that refers to the copy."""
@@ -87,9 +90,11 @@ class FEMInput(MethodInput):
 
 @rule("method.size", "method.mesh")
 def size_or_mesh(size: float | None, mesh: str | None) -> str | None:
-    if (size is None) == (mesh is None):
-        told = "is missing" if size is None else "cannot be given with method.mesh, whose elements have theirs"
-        return f'{told}; write an element size such as "0.38 mm", or name a file with method.mesh'
+    if size is None and mesh is None:
+        return 'is missing; write an element size such as "0.38 mm", or name a file with method.mesh'
+    if size is not None and mesh is not None:
+        told = "cannot be given with method.mesh, whose elements have their own"
+        return f'{told}; write one of the two, as in method = {{ name = "fem", mesh = "{mesh}" }}'
     return None
 
 

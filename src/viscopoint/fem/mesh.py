@@ -12,7 +12,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from viscopoint.arrays import Array, Indices
-from viscopoint.fem.hexahedron import ETA, GAUSS, XI, ZETA, modes, smallest_length, volume, volume_gradient
+from viscopoint.fem.hexahedron import ETA, GAUSS, XI, ZETA, modes, stable_length, volume, volume_gradient
 from viscopoint.jit import kernel
 
 LEVELS = 2  # a node touches at most two levels, so that slabs of two do not meet beyond the next one
@@ -91,19 +91,19 @@ def node_volumes(position: Array, corner: Indices) -> Array:
     return np.bincount(corner.ravel(), shares.ravel(), minlength=len(position)).astype(float)
 
 
-def smallest_lengths(position: Array, corner: Indices) -> Array:
-    """Return the least thickness of each element [mm]."""
+def stable_lengths(position: Array, corner: Indices) -> Array:
+    """Return of each element the length that a wave must not cross in a step [mm]."""
     lengths = np.empty(len(corner))
-    _measure_thickness(position, corner.astype(np.uint64), lengths)
+    _measure_lengths(position, corner.astype(np.uint64), lengths)
     return lengths
 
 
 @kernel
-def _measure_thickness(position: Array, corner: NDArray[np.uint64], lengths: Array) -> None:
+def _measure_lengths(position: Array, corner: NDArray[np.uint64], lengths: Array) -> None:
     for e in prange(len(corner)):
         place = modes(position, corner[e])
         gradient = volume_gradient(place)
-        lengths[e] = smallest_length(gradient, volume(place, gradient))
+        lengths[e] = stable_length(gradient, volume(place, gradient))
 
 
 def quality(position: Array, corner: Indices) -> Quality:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from viscopoint.arrays import Array, Rows
 from viscopoint.body import Body
 from viscopoint.fem.elements import Element, Limits
-from viscopoint.fem.mesh import point_volumes, scaled_jacobians, slabs, smallest_lengths
+from viscopoint.fem.mesh import point_volumes, scaled_jacobians, slabs, stable_lengths
 from viscopoint.fem.motion import TALLY, arrive, set_off
 from viscopoint.fem.state import CHUNKS, Elements, Nodes, elements_at_rest, nodes_at_rest, sum_elements, sum_nodes
 from viscopoint.laws import Law, step_factors
@@ -64,7 +64,7 @@ class FiniteElementMethod:
             self._stand_between(boundary)
         self.nodes.velocity[:] = velocity
         count = len(self.slabs.start) - 1
-        first = float(smallest_lengths(body.position, body.cells).min()) / self.sound
+        first = float(stable_lengths(body.position, body.cells).min()) / self.sound
         self.limits = Limits(
             critical=np.full(count, first),
             weakest=np.full(count, -1),

@@ -5,19 +5,23 @@ what many will look at results with. Meshio reads more formats, but has had no r
 it is an extra of the package.
 """
 
+import importlib.util
+import subprocess
+import sys
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from viscopoint.arrays import Array, Indices
+from viscopoint.arrays import Array, Indices, Rows
 from viscopoint.body import Body, Surface
 from viscopoint.errors import InputError
 from viscopoint.fem.mesh import node_volumes, scaled_jacobians
 
+PROGRAM = Path(__file__).with_name("vtk_program.py")
 FORMATS = (".vtu", ".vtk", ".vtkhdf", ".hdf", ".exo", ".e", ".ex2", ".cgns")
 HEXAHEDRON, VOXEL = 12, 11  # VTK's cell types
-FLAT = 10  # cell types below this one have no volume: vertices, lines, triangles, quadrilaterals, pixels
+FLAT = 9  # cell types up to this one have no volume: vertices, lines, triangles, quadrilaterals, pixels
 SOUND = 1e-6  # a scaled Jacobian below this is none
 SAME = 1e-3  # relative: how well a mesh must agree with the [rod] table
 ON_SURFACE = 1e-3  # of the radius: nodes this close to the mantle show it
@@ -30,10 +34,12 @@ def read_rod(path: Path, unit: float, radius: float, length: float) -> Body:
     Raises:
         InputError: the file cannot be read, holds other elements than sound hexahedra, or not this rod.
     """
-    position, cells = _hexahedra(_read(path), path)
-    position = position * unit
-    _check_elements(position, cells, path)
+    found = _read(path)
+    _check_kinds(found["kinds"], found["names"], path)
+    position, cells = found["position"] * unit, found["corner"]
+    _check_cells(position, cells, path)
     _check_rod(position, radius, length, path)
+    _check_shapes(position, cells, path)
     return Body(position, node_volumes(position, cells), rod_surface(position), cells)
 
 
@@ -56,49 +62,55 @@ def rod_surface(position: Array) -> Surface:
     )
 
 
-def _read(path: Path) -> Any:
-    """Return the file's grid as PyVista gives it."""
-    if not path.is_file():
+def _read(path: Path) -> dict[str, Rows]:
+    """Return what ``vtk_program`` finds in the file."""
+    if not _is_file(path):
         raise InputError(f"mesh file {path}: is not there")
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"mesh file {path}: unknown format '{path.suffix}'; allowed: {', '.join(FORMATS)}")
+    if importlib.util.find_spec("pyvista") is None:
+        raise InputError(f"mesh file {path}: reading it takes PyVista; pip install 'viscopoint[mesh]'")
+    with TemporaryDirectory(prefix="viscopoint-") as folder:
+        found = Path(folder, "mesh.npz")
+        command = [sys.executable, "-P", str(PROGRAM), str(path.absolute()), str(found)]
+        ended = subprocess.run(command, capture_output=True, check=False)
+        if ended.returncode:
+            raise InputError(f"mesh file {path}: cannot be read; is it whole, and of the format that its name says?")
+        with np.load(found) as arrays:
+            return dict(arrays)
+
+
+def _is_file(path: Path) -> bool:
     try:
-        import pyvista
-    except ImportError:
-        raise InputError(f"mesh file {path}: reading it takes PyVista; pip install 'viscopoint[mesh]'") from None
-    try:
-        with pyvista.vtk_verbosity("off"):
-            grid: Any = pyvista.read(path)
-            if isinstance(grid, pyvista.MultiBlock):
-                grid = grid.combine()
-            return grid.cast_to_unstructured_grid()
-    except Exception as error:  # VTK's readers raise errors of many kinds for what they cannot make sense of
-        raise InputError(f"mesh file {path}: cannot be read ({error})") from None
+        return path.is_file()
+    except OSError:  # such as a name too long
+        return False
 
 
-def _hexahedra(grid: Any, path: Path) -> tuple[Array, Indices]:
-    types = np.asarray(grid.celltypes)
-    others = sorted({int(kind) for kind in types if kind >= FLAT and kind not in (HEXAHEDRON, VOXEL)})
-    if others:
-        import pyvista
-
-        names = ", ".join(pyvista.CellType(kind).name.lower().replace("_", " ") for kind in others)
-        raise InputError(f"mesh file {path}: holds {names} elements; only hexahedra of eight nodes are supported")
-    by_type = grid.cells_dict
-    found = [by_type[kind] for kind in (HEXAHEDRON,) if kind in by_type]
-    if VOXEL in by_type:
-        found.append(by_type[VOXEL][:, [0, 1, 3, 2, 4, 5, 7, 6]])
-    if not found:
-        raise InputError(f"mesh file {path}: holds no hexahedra")
-    return np.asarray(grid.points, np.float64), np.concatenate(found).astype(np.int64)
+def _check_kinds(kinds: Rows, names: Rows, path: Path) -> None:
+    others = names[(kinds > FLAT) & (kinds != HEXAHEDRON) & (kinds != VOXEL)]
+    if len(others):
+        raise InputError(
+            f"mesh file {path}: holds elements of type {', '.join(others)}; only hexahedra of eight nodes are supported"
+        )
 
 
-def _check_elements(position: Array, cells: Indices, path: Path) -> None:
+def _check_cells(position: Array, cells: Indices, path: Path) -> None:
+    if not len(cells):
+        raise InputError(f"mesh file {path}: holds no hexahedra that can be read")
+    if cells.min() < 0 or cells.max() >= len(position):
+        raise InputError(f"mesh file {path}: elements have nodes beyond the {len(position)} that there are")
     if not np.isfinite(position).all():
         raise InputError(f"mesh file {path}: coordinates are not all finite")
     alone = len(position) - len(np.unique(cells))
     if alone:
-        raise InputError(f"mesh file {path}: {alone} isolated nodes, which belong to no hexahedron; remove them")
+        raise InputError(f"mesh file {path}: {alone} of {len(position)} nodes belong to no hexahedron; remove them")
+    pieces = _pieces(len(position), cells)
+    if pieces > 1:
+        raise InputError(f"mesh file {path}: {pieces} pieces that share no node; merge the nodes at the same place")
+
+
+def _check_shapes(position: Array, cells: Indices, path: Path) -> None:
     shape = scaled_jacobians(position, cells)
     bad = np.flatnonzero(~(shape > SOUND))
     if len(bad):
@@ -108,9 +120,6 @@ def _check_elements(position: Array, cells: Indices, path: Path) -> None:
             f"mesh file {path}: {len(bad)} of {len(cells)} elements are inverted or degenerate; the worst is element "
             f"{worst} at ({x:.4g}, {y:.4g}, {z:.4g}) mm with a scaled Jacobian of {shape[worst]:.3g}"
         )
-    pieces = _pieces(len(position), cells)
-    if pieces > 1:
-        raise InputError(f"mesh file {path}: {pieces} pieces that share no node; merge the nodes at the same place")
 
 
 def _pieces(count: int, cells: Indices) -> int:

@@ -10,6 +10,8 @@ TERMS = {
     "stored": "stored",
     "dissipated": "dissipated by the law",
     "viscous": "bulk viscosity",
+    "hourglass": "hourglass control",
+    "eroded": "in deleted elements",
     "contact": "taken at the wall",
     "friction": "friction",
 }

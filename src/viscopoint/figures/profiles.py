@@ -10,7 +10,7 @@ from viscopoint.results import Run
 
 @offer("profiles")
 def profiles(run: Run) -> Figure:
-    """Draw the outline, both sides of the axis to scale."""
+    """Draw the outline to scale, from foot to tail and back on the other side of the axis."""
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")
     axis = figure.subplots()
     numbers = chosen(run)
@@ -18,8 +18,8 @@ def profiles(run: Run) -> Figure:
     for number, colour in zip(numbers, colours, strict=True):
         snapshot = run.snapshot(number)
         height, radius = run.profile(snapshot)
-        axis.plot(height, radius, color=colour, label=f"{snapshot.time * 1e3:g} µs")
-        axis.plot(height, -radius, color=colour)
+        outline = np.concatenate([height, height[::-1]]), np.concatenate([radius, -radius[::-1]])
+        axis.plot(*outline, color=colour, label=f"{snapshot.time * 1e3:g} µs")
     axis.axvline(-run.case.impact.gap, color="0.3", linewidth=1.0)
     axis.set(xlabel="z (mm), wall at the left", ylabel="r (mm)", aspect="equal")
     figure.legend(ncols=4, loc="outside upper center")

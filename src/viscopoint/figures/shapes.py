@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from viscopoint.figures import COLOURS, chosen, offer
+from viscopoint.arrays import Array
+from viscopoint.figures import COLOURS, chosen, discs, faces, offer
 from viscopoint.results import Run, Snapshot
 
 TILT = np.radians(15.0)  # the camera looks down on the rod by this angle
-COVER = 1.5  # width of a point's disc in spacings
+WIDTH, LEAST, HIGHEST = 1.25, 1.6, 3.4  # of one picture, and its bounds in height, inches
 
 
 @offer("shapes")
@@ -21,21 +21,19 @@ def shapes(run: Run) -> Figure:
     snapshots = [run.snapshot(number) for number in chosen(run)]
     speeds = [snapshot["velocity"][snapshot["lost"] == 0, 2] for snapshot in snapshots]
     colours = Normalize(min(v.min(initial=0.0) for v in speeds), max(v.max(initial=0.0) for v in speeds))
-    reach = 1.1 * max(float(np.abs(snapshot["position"][:, :2]).max()) for snapshot in snapshots)
-    top = max(float(snapshot["position"][:, 2].max()) for snapshot in snapshots) + np.tan(TILT) * reach
-    low = -np.sin(TILT) * reach
+    there = np.concatenate([snapshot["position"][snapshot["lost"] == 0] for snapshot in snapshots])
+    reach = 1.1 * float(np.abs(there[:, :2]).max())
+    low, top = -np.sin(TILT) * reach, float(there[:, 2].max()) + np.tan(TILT) * reach
 
-    figure = Figure(figsize=(1.2 + 1.7 * len(snapshots), 8.0), layout="constrained")
+    height = np.clip(WIDTH * (top - low) / (2.0 * reach), LEAST, HIGHEST)  # of one picture
+    figure = Figure(figsize=(1.2 + 1.7 * len(snapshots), 1.2 + 2.0 * height), layout="constrained")
     axes = figure.subplots(2, len(snapshots), sharex=True, squeeze=False)
-    for column, snapshot in enumerate(snapshots):
-        _outside(axes[0, column], run, snapshot, colours)
-        _section(axes[1, column], run, snapshot, colours)
-        axes[0, column].set_title(f"{snapshot.time * 1e3:g} µs")
-        axes[1, column].set_xlabel("x (mm)")
-        for axis in axes[:, column]:
+    for column, snapshot in zip(axes.T, snapshots, strict=True):
+        _draw(column, run, snapshot, colours)
+        for axis in column:
             axis.set(xlim=(-reach, reach), ylim=(low, top), aspect="equal")
             axis.grid(False)
-    axes[0, 0].set_ylabel("from outside, looking down a little")
+    axes[0, 0].set_ylabel("from outside,\nlooking down a little")
     for axis in axes[0]:
         axis.tick_params(left=False, labelleft=False)  # a height in this view is none of the rod
         axis.spines["left"].set_visible(False)
@@ -45,33 +43,18 @@ def shapes(run: Run) -> Figure:
     return figure
 
 
-def _outside(axis: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> None:
-    surface = run.body.surface
-    shown = np.unique(np.concatenate([surface.ring.ravel(), surface.tail[:, 0], surface.foot[:, 0]]))
-    x, y, z = snapshot["position"][shown].T
-    depth = y * np.cos(TILT) - z * np.sin(TILT)
-    _paint(axis, run, snapshot, shown, x, z * np.cos(TILT) + y * np.sin(TILT), depth, colours)
+def _draw(axes: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> None:
+    """Draw one snapshot: from outside above, cut open below."""
+    look = faces if len(run.body.cells) else discs
+    above, below = axes
+    look.paint(above, run, snapshot, look.outside(run, snapshot), seen(snapshot["position"], TILT), colours)
+    look.paint(below, run, snapshot, look.cut_open(run, snapshot), seen(snapshot["position"], 0.0), colours)
+    above.set_title(f"{snapshot.time * 1e3:g} µs")
+    below.set_xlabel("x (mm)")
+    below.axhline(-run.case.impact.gap, color="0.3", linewidth=1.0)
 
 
-def _section(axis: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> None:
-    spacing = np.cbrt(run.body.volume)
-    shown = np.flatnonzero(np.abs(run.body.position[:, 1]) < 0.6 * spacing)
-    x, y, z = snapshot["position"][shown].T
-    _paint(axis, run, snapshot, shown, x, z, y, colours)
-    axis.axhline(-run.case.impact.gap, color="0.3", linewidth=1.0)
-
-
-def _paint(
-    axis: Any, run: Run, snapshot: Snapshot, shown: Any, across: Any, up: Any, depth: Any, colours: Normalize
-) -> None:
-    """Draw points as discs wider than their spacing, the far ones first, so that they cover what is behind."""
-    order = np.argsort(-depth)
-    order = order[snapshot["lost"][shown][order] == 0]
-    width = np.full(len(order), COVER * np.cbrt(run.body.volume[0]))
-    axis.add_collection(
-        EllipseCollection(
-            width, width, np.zeros_like(width), units="xy",
-            offsets=np.column_stack([across[order], up[order]]), offset_transform=axis.transData,
-            array=snapshot["velocity"][shown, 2][order], cmap=COLOURS, norm=colours, linewidths=0, rasterized=True,
-        )
-    )  # fmt: skip
+def seen(position: Array, tilt: float) -> Array:
+    """Return where points are in the picture, across, up and away from the camera, which looks along y and down."""
+    x, y, z = position.T
+    return np.column_stack([x, z * np.cos(tilt) + y * np.sin(tilt), y * np.cos(tilt) - z * np.sin(tilt)])

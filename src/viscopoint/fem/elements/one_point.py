@@ -15,6 +15,7 @@ from viscopoint.fem.hexahedron import (
     moved,
     smallest_length,
     spread,
+    stable_length,
     volume,
     volume_gradient,
 )
@@ -114,7 +115,7 @@ def strain_one_point(
                 store(elements.memory[e], memory)
                 hourglass_work[e] += work
 
-                step = length / signal_speed(here, damping)
+                step = stable_length(reach, now) / signal_speed(here, damping)
                 if step < limits.delete_below:
                     alive[e] = 0
                     continue

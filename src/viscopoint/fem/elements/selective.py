@@ -19,6 +19,7 @@ from viscopoint.fem.hexahedron import (
     modes,
     moved,
     slopes,
+    smallest_length,
     spread,
     volume,
     volume_gradient,
@@ -107,7 +108,7 @@ def strain_selective(
                     mean += det * trace(stress) / 3.0
                     pull = -0.125 * deviator(stress)
                     on = gathered(on, pull, faces, xi, eta, zeta)
-                    area = max(dot(faces.xi, faces.xi), max(dot(faces.eta, faces.eta), dot(faces.zeta, faces.zeta)))
+                    area = dot(faces.xi, faces.xi) + dot(faces.eta, faces.eta) + dot(faces.zeta, faces.zeta)
                     sharpest = max(sharpest, area / (det * det))
                 if not whole:
                     alive[e] = limits.delete_below < 0.0
@@ -115,12 +116,12 @@ def strain_selective(
                         least, where = 0.0, e
                     continue
                 jacobian[e] = after
-                length, here = 2.0 / math.sqrt(sharpest), sound * math.sqrt(after)
+                length, here = smallest_length(reach, now), sound * math.sqrt(after)
                 damping = viscous_speed(viscosity, length, here, swelling / dt)
                 pressure = law.density / after * length * abs(swelling / dt) * damping
                 viscous_loss[e] -= 0.5 * reference * swelling * (before * viscous_pressure[e] + after * pressure)
                 viscous_pressure[e] = pressure
-                step = length / signal_speed(here, damping)
+                step = 2.0 / math.sqrt(sharpest) / signal_speed(here, damping)
                 if step < limits.delete_below:
                     alive[e] = 0
                     continue

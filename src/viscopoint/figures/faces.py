@@ -1,0 +1,46 @@
+"""How finite elements look: their outer faces, as far as they are turned towards the camera."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+
+from viscopoint.arrays import Array, Indices
+from viscopoint.fem.mesh import outer_faces
+from viscopoint.figures import COLOURS
+from viscopoint.results import Run, Snapshot
+
+ON_CUT = 1e-9  # of the rod's width: an element whose centre is this close to the cut stays
+FINEST = 0.08  # mean width of a face over the rod's radius at which edges are still drawn; they would hide the colours
+EDGE: Any = {"edgecolors": (0.0, 0.0, 0.0, 0.4), "linewidths": 0.3}
+SEAM: Any = {"edgecolors": "face", "linewidths": 0.3}  # closes the gaps that smooth drawing leaves between faces
+
+
+def outside(run: Run, snapshot: Snapshot) -> Indices:
+    """Return the outer faces ``[f, 4]`` of the elements that were not deleted."""
+    return outer_faces(run.body.cells[snapshot["deleted"] == 0])
+
+
+def cut_open(run: Run, snapshot: Snapshot) -> Indices:
+    """Return the outer faces of those elements that started behind the plane y = 0."""
+    across = run.body.position[:, 1]
+    behind = across[run.body.cells].mean(axis=1) > -ON_CUT * np.ptp(across)
+    return outer_faces(run.body.cells[behind & (snapshot["deleted"] == 0)])
+
+
+def paint(axis: Any, run: Run, snapshot: Snapshot, faces: Indices, seen: Array, colours: Normalize) -> None:
+    """Draw faces in the mean axial velocity of their nodes, the far ones first, so that they cover what is behind."""
+    corners = seen[faces]
+    towards = _area(corners) > 0.0
+    order = np.flatnonzero(towards)[np.argsort(-corners[towards, :, 2].mean(axis=1), kind="stable")]
+    speed = snapshot["velocity"][faces[order], 2].mean(axis=1)
+    lines = EDGE if np.cbrt(run.body.volume.sum() / len(run.body.cells)) > FINEST * run.case.rod.radius else SEAM
+    polygons = list(corners[order, :, :2])
+    axis.add_collection(PolyCollection(polygons, array=speed, cmap=COLOURS, norm=colours, snap=False, **lines))
+
+
+def _area(corners: Array) -> Array:
+    """Return twice the area ``[f]`` of quadrilaterals in the picture; above zero for those seen from outside."""
+    one, other = corners[:, 2, :2] - corners[:, 0, :2], corners[:, 3, :2] - corners[:, 1, :2]
+    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]

@@ -4,6 +4,8 @@
   circumference. Points of a lattice stand inside the surface; a point that starts at radius R0 shows the surface at
   its present radius times R / R0.
 - The **foot radius** is that of the lowest layer, the **greatest radius** the largest of all.
+- Points that were lost, and what belongs to deleted elements only, count no more: the lowest layer is then the lowest
+  that is left.
 - The **length** runs from the lowest point of the foot to the highest of the tail. A lattice ends half a spacing
   beyond its last layer: each column is prolonged by half the present distance of its last two points, so that an
   undeformed rod of n layers measures n spacings.
@@ -41,12 +43,15 @@ def measure(surface: Surface, position: Array) -> Gauges:
     x, y, z = position.T
     # fmax and fmin leave out not-a-number
     tail, foot = _ends(surface.tail, z, surface.reach), _ends(surface.foot, z, surface.reach)
+    lowest, highest = np.fmin.reduce(z), np.fmax.reduce(z)
+    top, bottom = np.fmax.reduce(tail), np.fmin.reduce(foot)
+    there = radius[np.isfinite(radius)]
     return Gauges(
-        length=float(np.fmax.reduce(tail) - np.fmin.reduce(foot)),
-        foot_radius=float(radius[0]),
+        length=float((top if np.isfinite(top) else highest) - (bottom if np.isfinite(bottom) else lowest)),
+        foot_radius=float(there[0]) if len(there) else np.nan,
         greatest_radius=float(np.fmax.reduce(radius)),
-        lowest_point=float(np.fmin.reduce(z)),
-        highest_point=float(np.fmax.reduce(z)),
+        lowest_point=float(lowest),
+        highest_point=float(highest),
         widest_point=float(np.sqrt(np.fmax.reduce(x**2 + y**2))),
     )
 

@@ -4,7 +4,7 @@ import os
 from abc import abstractmethod
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
@@ -13,6 +13,7 @@ from viscopoint.errors import nearest
 from viscopoint.rules import rule
 from viscopoint.units import Duration, Gap, Instant, Length, Speed
 from viscopoint.viscosity import BulkViscosity
+from viscopoint.wall import RigidWall, Symmetry
 
 if TYPE_CHECKING:
     from viscopoint.body import Body
@@ -105,6 +106,18 @@ class Impact(Table):
     speed: Speed
     gap: Gap = 0.0
     friction: float = Field(default=0.0, ge=0, le=10)
+    wall: Literal["rigid", "symmetry"] = "rigid"
+
+    def boundary(self) -> RigidWall | Symmetry:
+        """Return what the rod hits: an anvil, or its own mirror image, off which the foot never comes."""
+        return RigidWall(-self.gap, self.friction) if self.wall == "rigid" else Symmetry(2, -self.gap)
+
+
+@rule("impact.wall", "impact.gap", "impact.friction")
+def symmetry_from_the_start(wall: str, gap: float, friction: float) -> str | None:
+    if wall == "rigid" or (gap == 0.0 and friction == 0.0):
+        return None
+    return '"symmetry" holds the foot from the start, free to slide: impact.gap and impact.friction must be 0'
 
 
 class Time(Table):

@@ -14,10 +14,7 @@ class RigidWall(NamedTuple):
 
 
 class Symmetry(NamedTuple):
-    """A plane normal to an axis that nothing crosses or leaves, free to slide on: rollers, or a mirror.
-
-    Cases have none yet; bodies built in Python, such as the verified columns, stand between them.
-    """
+    """A plane normal to an axis that nothing crosses or leaves, free to slide on: rollers, or a mirror."""
 
     axis: int  # 0, 1, 2 for x, y, z
     position: float  # mm

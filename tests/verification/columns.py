@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from viscopoint.body import Body, Surface, rod_lattice
 from viscopoint.laws.elastic import Elastic
 from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
+from viscopoint.method import Method
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
@@ -118,7 +119,7 @@ def area(method: MaterialPointMethod) -> float:
     return (ACROSS * method.grid.cell) ** 2
 
 
-def advance(method: MaterialPointMethod, time: float) -> float:
+def advance(method: Method, time: float) -> float:
     """Advance by ``time`` in equal steps no longer than the stable one; return their length."""
     steps = int(np.ceil(time / method.stable_step() * (1 - 1e-9)))
     for _ in range(steps):

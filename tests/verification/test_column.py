@@ -32,10 +32,11 @@ from columns import (
     order,
     viscoelastic,
 )
+from fronts import step
 from laplace import StandardSolid
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
-from scipy.special import itairy, ive
+from scipy.special import ive
 
 SPEED = 0.01  # mm/ms: strains of 1e-5, which no error here comes close to
 BEFORE, AFTER = 0.02, 0.045  # ms; the front is at 17.2 mm, then at 38.6 mm, on its way back from the free end
@@ -74,11 +75,6 @@ def impact(decay: float, cells: int) -> dict[float, State]:
 
 def width(solid: StandardSolid, cells: int, time: float) -> float:
     return float(np.cbrt(3 * DISPERSION * solid.speed * time * (LENGTH / cells) ** 2))
-
-
-def step(xi: Array) -> Array:
-    ahead, _, behind, _ = itairy(np.abs(xi))
-    return 1 / 3 + np.where(xi > 0, -ahead, behind)
 
 
 def dispersed(solid: StandardSolid, cells: int, time: float, x: Array) -> float:

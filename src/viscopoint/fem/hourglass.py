@@ -4,6 +4,7 @@ The four modes that a uniform strain does not see deform an element without stre
 works on the modes less what the mean gradient explains of them, it disturbs neither uniform strain nor rotation.
 """
 
+import math
 from typing import Any, NamedTuple
 
 from viscopoint.fem.hexahedron import Hourglass
@@ -12,13 +13,18 @@ from viscopoint.tensors import Matrix, Vec, applied, dot
 
 
 class ViscousControl(NamedTuple):
-    """h = -16 coefficient rho c (V/l) q', the damper of DYNA3D: LS-DYNA's form 1 (with l for the cube root of V)."""
+    """h = -16 coefficient rho c (V/l) q', the damper of DYNA3D: LS-DYNA's form 1 (with l for the cube root of V).
+
+    A force is that of the motion before it, and acts on half a step before and half a step after. Its work over a step
+    is the mean of h_n·q' and h_n+1·q'; it remembers the power P_n of the step before, as h_n·q' = sqrt(P_n P_n+1) up to
+    the second order in the step.
+    """
 
     coefficient: float = 0.1  # Q_hg
 
     @property
     def memory(self) -> int:
-        return 0
+        return 1
 
 
 class StiffnessControl(NamedTuple):
@@ -78,7 +84,8 @@ def damp(
     length: float,
 ) -> tuple[Hourglass, tuple[float, ...], float]:
     force = scaled(-16.0 * control.coefficient * mass * sound / length, rate)
-    return force, memory, -dt * power(force, rate)
+    loss = -power(force, rate)
+    return force, (loss,), 0.5 * dt * (math.sqrt(memory[0] * loss) + loss)
 
 
 @implements(resist, StiffnessControl)

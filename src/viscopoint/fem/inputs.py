@@ -16,7 +16,6 @@ from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, o
 from viscopoint.laws import Law
 from viscopoint.rules import rule
 from viscopoint.units import Length
-from viscopoint.wall import RigidWall
 
 BYTES_PER_ELEMENT = 1500  # of eight points, with nodes and one snapshot being written: a generous count
 
@@ -84,8 +83,8 @@ class FEMInput(MethodInput):
             viscosity=self.bulk_viscosity.build(),
             delete_below=self.delete_below,
         )
-        wall = RigidWall(-impact.gap, impact.friction)
-        return FiniteElementMethod(self.body(rod), law, (wall,), choices, (0.0, 0.0, -impact.speed))
+        motion = (0.0, 0.0, -impact.speed)
+        return FiniteElementMethod(self.body(rod), law, (impact.boundary(),), choices, motion)
 
 
 @rule("method.size", "method.mesh")

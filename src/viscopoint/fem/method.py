@@ -27,7 +27,7 @@ class Discretisation:
     element: Element  # of ``fem.elements``
     safety: float  # share of the critical step to take
     viscosity: BulkViscosity
-    delete_below: float = 0.0  # delete elements whose stable step falls below this share of the first; 0: none, ever
+    delete_below: float = 0.0  # share of the least thickness at the start below which elements are deleted; 0: none is
 
 
 class FiniteElementMethod:
@@ -36,8 +36,9 @@ class FiniteElementMethod:
     advice = Advice(
         lost="too much of the body was deleted (method.delete_below)",
         unstable="the integration became unstable; take a smaller method.safety",
-        dissipating="the hourglass control, or the integration is becoming unstable; take a smaller method.safety",
-        gaining="the integration is becoming unstable; take a smaller method.safety",
+        dissipating="the integration is becoming unstable; take a smaller method.safety",
+        gaining="the mesh is badly distorted, or the integration is becoming unstable; look at the last snapshot, take "
+        "a smaller method.safety",
         collapsed="the mesh is too distorted. Take larger elements there (method.size) or a smaller impact speed, let "
         "such elements be deleted (method.delete_below), or use the material point method, which has no mesh to tangle",
     )
@@ -64,11 +65,12 @@ class FiniteElementMethod:
             self._stand_between(boundary)
         self.nodes.velocity[:] = velocity
         count = len(self.slabs.start) - 1
-        first = float(stable_lengths(body.position, body.cells).min()) / self.sound
+        smallest = float(stable_lengths(body.position, body.cells).min())
+        fastest = float(np.linalg.norm(self.nodes.velocity, axis=1).max())
         self.limits = Limits(
-            critical=np.full(count, first),
+            critical=np.full(count, smallest / (self.sound + fastest)),
             weakest=np.full(count, -1),
-            delete_below=choices.delete_below * first or -1.0,
+            delete_below=choices.delete_below * smallest / self.sound or -1.0,
         )
         self.tally = np.zeros(TALLY)  # of wall and planes of symmetry, since the start
 

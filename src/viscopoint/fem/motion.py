@@ -48,7 +48,7 @@ def kick(nodes: Nodes, n: Any, time: float, wall: RigidWall, least: float, tally
     """Give a node the impulse of its force, of what holds it and of the wall, which leaves it v_z >= ``least``.
 
     Returns whether the wall acted. Works are taken with the mean of the velocities before and after all impulses, as
-    the forces' own are: what stays on the wall costs nothing.
+    the forces' own are: what stays on the wall costs nothing, and what is held only what it had at the start.
     """
     m, fixed = nodes.mass[n], nodes.fixed[n]
     x0, y0, z0 = nodes.velocity[n, 0], nodes.velocity[n, 1], nodes.velocity[n, 2]
@@ -57,6 +57,8 @@ def kick(nodes: Nodes, n: Any, time: float, wall: RigidWall, least: float, tally
     vx = 0.0 if fixed & 1 else x
     vy = 0.0 if fixed & 2 else y
     vz = 0.0 if fixed & 4 else z
+    if fixed:
+        tally[3] += 0.5 * m * ((vx - x) * (vx + x0) + (vy - y) * (vy + y0) + (vz - z) * (vz + z0))
     stopped = vz < least
     if stopped:
         vx, vy, vz = held(wall, vx, vy, vz - least)

@@ -14,7 +14,6 @@ from viscopoint.mpm.schemes import SCHEMES
 from viscopoint.mpm.shapes import SHAPES
 from viscopoint.rules import rule
 from viscopoint.units import Coordinate, Length
-from viscopoint.wall import RigidWall
 
 MOST_CELLS = 1_000_000  # along an axis; only those around the body take memory
 BYTES_PER_POINT = 600  # points, grid, one snapshot being written: a generous count
@@ -79,8 +78,8 @@ class MPMInput(MethodInput):
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
         )
-        wall = RigidWall(-impact.gap, impact.friction)
-        return MaterialPointMethod(self.body(rod), law, (wall,), choices, (0.0, 0.0, -impact.speed))
+        motion = (0.0, 0.0, -impact.speed)
+        return MaterialPointMethod(self.body(rod), law, (impact.boundary(),), choices, motion)
 
 
 @rule("method.spacing", "method.cell")

@@ -22,7 +22,7 @@ class Limits(NamedTuple):
 
     critical: Array  # [slab], least stable step of each, ms; 0 where an element is inside out
     weakest: Indices  # [slab], the element whose it is
-    delete_below: float  # an element whose stable step is less is deleted, ms; -1: none is
+    delete_below: float  # an element whose step without bulk viscosity is less is deleted, ms; -1: none is
 
 
 class Element(Protocol):

@@ -115,10 +115,11 @@ def strain_one_point(
                 store(elements.memory[e], memory)
                 hourglass_work[e] += work
 
-                step = stable_length(reach, now) / signal_speed(here, damping)
-                if step < limits.delete_below:
+                stable = stable_length(reach, now)
+                if stable / here < limits.delete_below:
                     alive[e] = 0
                     continue
+                step = stable / signal_speed(here, damping)
                 if step < least:
                     least, where = step, e
                 spread(nodes.force, corner, nodal(stress - spherical(pressure), force, place, reach, now))

@@ -121,10 +121,11 @@ def strain_selective(
                 pressure = law.density / after * length * abs(swelling / dt) * damping
                 viscous_loss[e] -= 0.5 * reference * swelling * (before * viscous_pressure[e] + after * pressure)
                 viscous_pressure[e] = pressure
-                step = 2.0 / math.sqrt(sharpest) / signal_speed(here, damping)
-                if step < limits.delete_below:
+                stable = 2.0 / math.sqrt(sharpest)
+                if stable / here < limits.delete_below:
                     alive[e] = 0
                     continue
+                step = stable / signal_speed(here, damping)
                 if step < least:
                     least, where = step, e
                 mean = -0.125 * (mean / now - pressure)

@@ -1,0 +1,159 @@
+"""Bodies of hexahedra with flat sides, and finite element methods on them.
+
+Bulk viscosity is off: it would smear the fronts and damp the waves that are compared with exact solutions without it.
+For a wave along a row of cubes, masses stand at the nodes and an element knows the difference of two of them. So steps
+of Courant number C give
+
+    sin(w dt / 2) = C sin(kh / 2)    =>    w = c k (1 - DISPERSION (kh)^2 + ...).
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from columns import COURANT, LENGTH, viscoelastic
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from viscopoint.body import Body, Surface
+from viscopoint.fem.elements import Element
+from viscopoint.fem.elements.one_point import OnePoint
+from viscopoint.fem.elements.selective import Selective
+from viscopoint.fem.hourglass import StiffnessControl, ViscousControl
+from viscopoint.fem.mesh import node_volumes
+from viscopoint.fem.method import Discretisation, FiniteElementMethod
+from viscopoint.laws import step_factors
+from viscopoint.method import Totals
+from viscopoint.viscosity import BulkViscosity
+from viscopoint.wall import RigidWall, Symmetry
+
+Array = NDArray[np.float64]
+Boundaries = tuple[RigidWall | Symmetry, ...]
+VISCOUS, STIFF, SELECTIVE = OnePoint(ViscousControl()), OnePoint(StiffnessControl()), Selective()
+ELEMENTS = {"viscous": VISCOUS, "stiffness": STIFF, "selective": SELECTIVE}
+each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
+ELASTIC = viscoelastic(0.0)  # an arm that never relaxes: the same kernels serve all tests
+DISPERSION = (1 - COURANT**2) / 24
+EPS = np.finfo(float).eps
+ON_WALL = (RigidWall(0.0, 0.0),)
+
+
+def brick(size: tuple[float, ...], cells: tuple[int, ...], shake: float = 0.0, foot: float = 0.0) -> Body:
+    """Return a block around the z axis above z = ``foot``; inner nodes are moved at random by up to ``shake`` [mm]."""
+    counts = [n + 1 for n in cells]
+    planes = [np.linspace(0.0, 1.0, n) for n in counts]
+    z, y, x = (axis.ravel() for axis in np.meshgrid(*planes[::-1], indexing="ij"))
+    position: Array = (np.column_stack([x, y, z]) - [0.5, 0.5, 0.0]) * size + [0.0, 0.0, foot]
+    inner = ~outside(position)
+    position[inner] += np.random.default_rng(7).uniform(-shake, shake, (int(inner.sum()), 3))
+    node = np.arange(len(position)).reshape(counts[::-1])
+    low, high = slice(None, -1), slice(1, None)
+    square = ((low, low), (low, high), (high, high), (high, low))  # y and x of the corners, around
+    corners = [node[(level, *places)].ravel() for level in (low, high) for places in square]
+    cell = np.column_stack(corners)
+    layers = node.reshape(counts[2], -1)
+    ends = [np.column_stack([layers[a], layers[b]]) for a, b in ((-1, -2), (0, 1))]
+    surface = Surface(layers, np.ones(layers.shape[1]), ends[0], ends[1], 0.0)
+    return Body(position, node_volumes(position, cell), surface, cell)
+
+
+def outside(position: Array) -> NDArray[np.bool_]:
+    """Return which nodes stand on the sides of the block that the nodes fill."""
+    low, high = position.min(axis=0), position.max(axis=0)
+    return ((position == low) | (position == high)).any(axis=1)
+
+
+def fem(
+    body: Body,
+    element: Element,
+    law: Any = ELASTIC,
+    boundaries: Boundaries = (),
+    velocity: Any = (0.0, 0.0, 0.0),
+    safety: float = COURANT,
+    viscosity: tuple[float, float] = (0.0, 0.0),
+    delete_below: float = 0.0,
+) -> FiniteElementMethod:
+    """Return a method that takes ``safety`` as its Courant number."""
+    choices = Discretisation(element, safety, BulkViscosity(*viscosity), delete_below)
+    return FiniteElementMethod(body, law, boundaries, choices, velocity)
+
+
+def bar(
+    cells: int,
+    element: Element,
+    law: Any = ELASTIC,
+    boundaries: Boundaries = ON_WALL,
+    velocity: Callable[[Array], Array] = np.zeros_like,
+    safety: float = COURANT,
+    thick: float = 1.0,
+) -> FiniteElementMethod:
+    """Return a row of bricks along z, ``thick`` times as wide as high, its foot on z = 0, at ``velocity(position)``."""
+    side = thick * LENGTH / cells
+    body = brick((side, side, LENGTH), (1, 1, cells))
+    return fem(body, element, law, boundaries, velocity(body.position), safety)
+
+
+def column(
+    cells: int,
+    element: Element,
+    law: Any = ELASTIC,
+    boundaries: Boundaries = ON_WALL,
+    velocity: Callable[[Array], Array] = np.zeros_like,
+    safety: float = COURANT,
+) -> FiniteElementMethod:
+    """Return such a row of cubes between rollers on its four sides: one-dimensional."""
+    half = 0.5 * LENGTH / cells
+    rollers = [Symmetry(axis, place) for axis in (0, 1) for place in (-half, half)]
+    return bar(cells, element, law, (*boundaries, *rollers), velocity, safety)
+
+
+def upward(speed: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """Return the velocity field of a speed along z that depends on z."""
+    return lambda position: np.outer(speed(position[:, 2]), [0.0, 0.0, 1.0])
+
+
+def layers(method: FiniteElementMethod, values: Array) -> Array:
+    """Average values of nodes over each layer, from the foot up."""
+    return values[method.body.surface.ring].mean(axis=1)
+
+
+def area(method: FiniteElementMethod) -> float:
+    """Return the cross-section of a block [mm^2]."""
+    return float(np.prod(np.ptp(method.body.position, axis=0)[:2]))
+
+
+def answer(method: FiniteElementMethod, velocity: Array, dt: float) -> Array:
+    """Move the nodes for a step at a velocity, whatever the forces; return the forces that the elements then have."""
+    nodes = method.nodes
+    nodes.velocity[:] = velocity
+    nodes.position[:] += dt * velocity
+    nodes.force[:] = 0.0
+    factors = step_factors(method.law, dt)
+    method.element.answer(
+        nodes, method.elements, method.slabs, method.limits, method.law, factors, method.blank, method.sound,
+        method.viscosity, dt,
+    )  # fmt: skip
+    return nodes.force.copy()
+
+
+def missing(start: Totals, now: Totals) -> float:
+    """Return the share of the initial energy that no account holds."""
+    known = now.kinetic + now.stored + now.dissipated + now.viscous + now.hourglass + now.eroded
+    return 1 - (known + now.contact + now.friction) / (start.kinetic + start.stored)
+
+
+def fitted(times: Array, signal: Array, roots: Any) -> complex:
+    """Return the exponent that rings of a sum of exponentials that fits best; the search starts at ``roots``."""
+    scale = np.abs(roots).max()
+    fading = [float(root.real) for root in roots if root.imag == 0 and root.real != 0]
+    ringing = complex(roots[roots.imag.argmax()])
+
+    def residual(at: Array) -> Array:
+        wave = np.exp((at[0] + 1j * at[1]) * scale * times)
+        terms = np.column_stack([wave.real, wave.imag, *[np.exp(rate * scale * times) for rate in at[2:]]])
+        return signal - terms @ np.linalg.lstsq(terms, signal, rcond=None)[0]
+
+    start = np.array([ringing.real, ringing.imag, *fading]) / scale
+    found = least_squares(residual, start, ftol=1e-15, xtol=1e-15, gtol=1e-15).x * scale
+    return complex(found[0], found[1])

@@ -1,0 +1,229 @@
+"""Elements under what is hard for them: bending of what hardly changes volume, long steps, being crushed."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from bricks import ELASTIC, ELEMENTS, EPS, Array, answer, brick, column, each_element, fem, fitted, missing, upward
+from columns import COURANT, DENSITY, LENGTH, one_thread  # noqa: F401
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.optimize import root_scalar
+
+from viscopoint.fem.elements import Element
+from viscopoint.fem.method import FiniteElementMethod
+from viscopoint.fem.rod import rod_mesh
+from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
+from viscopoint.wall import Symmetry
+
+pytestmark = pytest.mark.usefixtures("one_thread")
+SHEAR, THICK, SPAN = 100.0, 1.0, 6.0  # MPa, mm, mm
+WAVE = np.pi / SPAN  # k, 1/mm
+SLOW = 1e-5  # mm/ms
+STRAIN = SLOW / 858.293
+
+
+class Plate:
+    """The flexural wave of a plate in plane strain, standing between mirrors: Rayleigh and Lamb's exact solution."""
+
+    def __init__(self, bulk: float) -> None:
+        self.modulus = bulk + 4 * SHEAR / 3
+        self.bending = 4 * SHEAR * (3 * bulk + SHEAR) / (3 * bulk + 4 * SHEAR)  # E / (1 - nu^2)
+        beam = WAVE**2 * np.sqrt(self.bending * THICK**2 / 12 / DENSITY)  # Bernoulli's
+        self.frequency = float(root_scalar(self.mismatch, bracket=(0.3 * beam, beam)).root)
+        self.law = LinearViscoelastic(DENSITY, bulk, SHEAR, 0.0, 0.0)
+
+    def decays(self, frequency: float) -> tuple[float, float]:
+        """Return how the two potentials grow across the plate [1/mm]."""
+        squares = [frequency**2 * DENSITY / m for m in (self.modulus, SHEAR)]
+        return float(np.sqrt(WAVE**2 - squares[0])), float(np.sqrt(WAVE**2 - squares[1]))
+
+    def mismatch(self, frequency: float) -> float:
+        a, b = self.decays(frequency)
+        ratio = (WAVE**2 + b**2) ** 2 / (4 * WAVE**2 * a * b)
+        return float(np.tanh(b * THICK / 2) / np.tanh(a * THICK / 2) - ratio)
+
+    def mode(self, position: Array) -> Array:
+        x, _, z = position.T
+        a, b = self.decays(self.frequency)
+        share = -2 * WAVE * a * np.cosh(a * THICK / 2) / ((WAVE**2 + b**2) * np.cosh(b * THICK / 2))
+        across = (a * np.cosh(a * x) + WAVE * share * np.cosh(b * x)) * np.cos(WAVE * z)
+        along = -(WAVE * np.sinh(a * x) + b * share * np.sinh(b * x)) * np.sin(WAVE * z)
+        field = np.column_stack([across, 0 * x, along])
+        return field / np.abs(field).max()
+
+
+@cache
+def flexure(name: str, bulk: float, through: int) -> complex:
+    """Return the exponent of the wave of so many cubes through the plate, in units of the exact frequency."""
+    plate, side = Plate(bulk), THICK / through
+    body = brick((THICK, side, SPAN), (through, 1, int(SPAN) * through))
+    mode = plate.mode(body.position)
+    mirrors = [Symmetry(2, 0.0), Symmetry(2, SPAN), Symmetry(1, -side / 2), Symmetry(1, side / 2)]
+    method = fem(body, ELEMENTS[name], plate.law, tuple(mirrors), SLOW * mode, 0.8)
+    weight = method.nodes.mass[:, None] * mode
+    weight /= SLOW * (weight * mode).sum()
+    dt, signal, samples = method.stable_step(), [1.0], 60
+    every = int(0.7 * 2 * np.pi / plate.frequency / dt / samples)
+    for _ in range(samples):
+        for _ in range(every):
+            method.advance(dt)
+        signal.append(float((method.nodes.velocity * weight).sum()))
+    exact = np.array([1j * plate.frequency])
+    return fitted(np.linspace(0.0, samples * every * dt, samples + 1), np.array(signal), exact) / plate.frequency
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+@pytest.mark.parametrize("bulk", [SHEAR, 1000 * SHEAR])
+@pytest.mark.parametrize("through", [2, 4])
+def test_bending_does_not_lock(name: str, bulk: float, through: int) -> None:
+    """The stiffness of bending is right but for 1/n^2, with n elements through the plate, whatever K/G.
+
+    1/n^2 of it is strain that varies through an element. One point does not feel this; the spring of the stiffness
+    control puts 3/4 coefficient M / (E/(1 - nu^2)) there. Eight points put the stretch less its volume, 4G/3, and a
+    shear that is not there, G. Full integration would put K + 4G/3 and G: for K = 1000 G and n = 4 a stiffness 16 times
+    too large. The stiffness control, which scales with M, pays a small part of this.
+    """
+    plate = Plate(bulk)
+    terms = {
+        "viscous": (-1.0,),
+        "stiffness": (-1.0, 3 / 4 * 0.05 * plate.modulus / plate.bending),
+        "selective": (-1.0, 4 / 3 * SHEAR / plate.bending, SHEAR / plate.bending),
+    }[name]
+    beam = (WAVE * THICK) ** 2  # the beam's relative error in each of these
+    found = flexure(name, bulk, through)
+    assert_allclose((found.imag**2 - 1) * through**2, sum(terms), rtol=0, atol=beam * np.abs(terms).max())
+
+
+@pytest.mark.parametrize("bulk", [SHEAR, 1000 * SHEAR])
+@pytest.mark.parametrize("through", [2, 4])
+def test_viscous_control_damps_bending_to_third_order(bulk: float, through: int) -> None:
+    plate = Plate(bulk)
+    sound, h = np.sqrt(plate.modulus / DENSITY), THICK / through
+    # q' = h^2 / 4 of the rate of curvature: 16 Q rho c q'^2 / h over twice the energy, E t^2 / 24 (1 - nu^2)
+    expected = -0.1 * sound * h**3 * WAVE**4 / (2 * plate.frequency)
+    assert_allclose(flexure("viscous", bulk, through).real, expected, rtol=(WAVE * THICK) ** 2)
+    for name in ("stiffness", "selective"):
+        assert abs(flexure(name, bulk, through).real) < 1e-4  # what the step leaves of it: (w dt)^2, of higher order
+
+
+# --- the stable step ---
+
+
+def grown(method: FiniteElementMethod, share: float, steps: int) -> float:
+    """Return how much faster a node moves than any did, after steps of a share of h/c."""
+    before, dt = np.abs(method.nodes.velocity).max(), share * method.stable_step() / COURANT
+    for _ in range(steps):
+        method.advance(dt)
+    return float(np.abs(method.nodes.velocity).max() / before)
+
+
+@each_element
+def test_column_is_stable_up_to_its_critical_step_and_not_beyond(element: Element) -> None:
+    shortest = upward(lambda z: SLOW * np.cos(8 * np.pi * z / LENGTH))  # has w = 2c/h
+    assert grown(column(8, element, ELASTIC, (), shortest), 0.99, 200) < 1 + STRAIN * 200
+    # sin(w dt / 2) = 1.01: a factor exp(2 acosh 1.01) a step, for one half of the wave
+    unstable = grown(column(8, element, ELASTIC, (), shortest), 1.01, 20)
+    assert_allclose(unstable, np.exp(40 * np.arccosh(1.01)) / 2, rtol=40 * STRAIN * unstable)
+
+
+@each_element
+def test_free_cube_swells_faster_than_a_wave_crosses_it(element: Element) -> None:
+    """A cube that is free on all sides swells with w^2 = 12 K / (rho h^2), above 4 M / (rho h^2): nothing holds it.
+
+    The step of a mesh is that of waves, h/c. Where few elements are free on many sides it takes a smaller safety.
+    """
+    limit = np.sqrt(ELASTIC.instantaneous_modulus / (3 * ELASTIC.bulk))
+
+    def cube() -> FiniteElementMethod:
+        body = brick((1.0, 1.0, 1.0), (1, 1, 1), foot=-0.5)
+        return fem(body, element, ELASTIC, (), SLOW * body.position)
+
+    assert grown(cube(), 0.99 * limit, 200) < 1.001
+    assert_allclose(grown(cube(), 1.01 * limit, 20), np.exp(40 * np.arccosh(1.01)) / 2, rtol=0.01)
+
+
+@each_element
+def test_rod_is_stable_at_the_usual_safety(element: Element) -> None:
+    body, safety = rod_mesh(2.0, 4.0, 0.7), 0.9
+    motion = SLOW * np.random.default_rng(8).normal(size=body.position.shape)
+    method = fem(body, element, ELASTIC, (), motion, safety)
+    start, dt = method.totals().kinetic, method.stable_step()
+    for _ in range(1000):
+        method.advance(dt)
+    now = method.totals()
+    # what leapfrog keeps of a mode is kinetic + stored (1 - (w dt / 2)^2)
+    assert now.kinetic + now.stored < start / (1 - safety**2)
+
+
+# --- crushing ---
+
+FLUID = LinearViscoelastic(DENSITY, 550.0, 0.0, 0.0, 0.0)  # its energy is the work done, whatever the strain
+CLOSING = 6000.0  # mm/ms
+
+
+def colliding(element: Element, squeezed: int, below: float) -> FiniteElementMethod:
+    """Return a column of three cubes of 1 mm on rollers, one of which is about to be squeezed."""
+    rollers = tuple(Symmetry(axis, place) for axis in (0, 1) for place in (-0.5, 0.5))
+    motion = upward(lambda z: np.where(z > squeezed + 0.5, -CLOSING / 2, CLOSING / 2) + 100.0)
+    body = brick((1.0, 1.0, 3.0), (1, 1, 3))
+    return fem(body, element, FLUID, rollers, motion(body.position), 0.01, delete_below=below)
+
+
+@each_element
+@pytest.mark.parametrize("squeezed", [1, 2])
+def test_crushed_element_is_deleted_with_its_energy_and_none_of_the_momentum(element: Element, squeezed: int) -> None:
+    below = 0.6
+    method = colliding(element, squeezed, below)
+    start, before, dt = method.totals(), method.elements.jacobian.copy(), 0.0
+    while method.lost() == 0:
+        before, dt = method.elements.jacobian.copy(), method.stable_step()
+        method.advance(dt)
+    elements, now = method.elements, method.totals()
+    assert_array_equal(elements.alive == 0, np.arange(3) == squeezed)
+    # its height is J, its sound c sqrt(J): its step has fallen to sqrt(J) of the first
+    ratio = float(elements.jacobian[squeezed])
+    assert ratio < below**2 <= before[squeezed]
+    assert_allclose(now.eroded, FLUID.bulk * (ratio * np.log(ratio) - ratio + 1), rtol=1e-12)
+    assert_allclose(now.momentum, start.momentum, rtol=0, atol=1000 * EPS * start.mass * CLOSING)
+    # half a step of its force on both sides is missing
+    half_kick = -FLUID.bulk * np.log(ratio) * CLOSING * dt / 2
+    assert abs(missing(start, now)) * start.kinetic < 1.2 * half_kick
+    for _ in range(20):
+        method.advance(dt)
+    later = method.totals()
+    assert_allclose(later.momentum, start.momentum, rtol=0, atol=1000 * EPS * start.mass * CLOSING)
+    assert later.eroded == now.eroded
+    gone = np.isnan(method.positions()).any(axis=1)
+    assert_array_equal(gone, method.body.position[:, 2] > (2.5 if squeezed == 2 else np.inf))  # of no other element
+    assert np.isfinite(method.nodes.position).all()
+
+
+@each_element
+def test_inverted_element_allows_no_step_and_is_named(element: Element) -> None:
+    method = fem(brick((1.0, 1.0, 3.0), (1, 1, 3)), element)
+    assert method.weakest() == ""
+    motion = upward(lambda z: np.where(z > 2.5, -1.5, 0.0))(method.body.position)
+    answer(method, motion, 1.0)
+    assert method.stable_step() == 0.0
+    assert method.lost() == 0
+    assert method.weakest() == "element 2, at (0, 0, 1.75) mm, is turned inside out"
+
+
+@each_element
+def test_inverted_element_is_deleted_if_elements_may_be(element: Element) -> None:
+    method = fem(brick((1.0, 1.0, 3.0), (1, 1, 3)), element, delete_below=0.1)
+    motion = upward(lambda z: np.where(z > 2.5, -1.5, 0.0))(method.body.position)
+    first, force = method.stable_step(), answer(method, motion, 1.0)
+    assert method.lost() == 1
+    assert_allclose(force, 0.0, atol=10 * EPS * method.law.instantaneous_modulus)  # the others were not strained
+    assert_allclose(method.stable_step(), first, rtol=1e-12)
+
+
+@each_element
+def test_thinnest_element_is_named(element: Element) -> None:
+    method = fem(brick((1.0, 1.0, 3.0), (1, 1, 3)), element)
+    answer(method, upward(lambda z: np.where((z > 0.5) & (z < 1.5), -0.2, 0.0))(method.body.position), 1.0)
+    assert method.weakest() == "element 0, at (0, 0, 0.4) mm, is the thinnest"
+    # V/A = 0.8 mm, and a wave in material of the same stiffness and 1/0.8 of the density
+    expected = COURANT * 0.8 / (method.sound * np.sqrt(0.8))
+    assert_allclose(method.stable_step(), expected, rtol=1e-12)

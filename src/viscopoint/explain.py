@@ -85,7 +85,7 @@ def _fits(table: type[BaseModel], value: Any) -> bool:
 
 
 def _is_word(field: FieldInfo) -> bool:
-    return get_origin(field.annotation) is Literal
+    return get_origin(field.annotation) is Literal and len(get_args(field.annotation)) == 1
 
 
 def _at(tables: Any, key: str, otherwise: Any) -> Any:

@@ -21,7 +21,7 @@ from viscopoint.fem.elements import Element
 from viscopoint.fem.elements.one_point import OnePoint
 from viscopoint.fem.elements.selective import Selective
 from viscopoint.fem.hourglass import StiffnessControl, ViscousControl
-from viscopoint.fem.mesh import node_volumes
+from viscopoint.fem.mesh import node_volumes, quality, stable_lengths
 from viscopoint.fem.method import Discretisation, FiniteElementMethod
 from viscopoint.laws import step_factors
 from viscopoint.method import Totals
@@ -70,12 +70,15 @@ def fem(
     law: Any = ELASTIC,
     boundaries: Boundaries = (),
     velocity: Any = (0.0, 0.0, 0.0),
-    safety: float = COURANT,
+    courant: float = COURANT,
     viscosity: tuple[float, float] = (0.0, 0.0),
     delete_below: float = 0.0,
 ) -> FiniteElementMethod:
-    """Return a method that takes ``safety`` as its Courant number."""
-    choices = Discretisation(element, safety, BulkViscosity(*viscosity), delete_below)
+    """Return a method whose step is ``courant`` times that of a wave along the shortest edge."""
+    safety = (
+        courant * quality(body.position, body.cells).smallest_edge / stable_lengths(body.position, body.cells).min()
+    )
+    choices = Discretisation(element, float(safety), BulkViscosity(*viscosity), delete_below)
     return FiniteElementMethod(body, law, boundaries, choices, velocity)
 
 
@@ -85,13 +88,13 @@ def bar(
     law: Any = ELASTIC,
     boundaries: Boundaries = ON_WALL,
     velocity: Callable[[Array], Array] = np.zeros_like,
-    safety: float = COURANT,
+    courant: float = COURANT,
     thick: float = 1.0,
 ) -> FiniteElementMethod:
     """Return a row of bricks along z, ``thick`` times as wide as high, its foot on z = 0, at ``velocity(position)``."""
     side = thick * LENGTH / cells
     body = brick((side, side, LENGTH), (1, 1, cells))
-    return fem(body, element, law, boundaries, velocity(body.position), safety)
+    return fem(body, element, law, boundaries, velocity(body.position), courant)
 
 
 def column(
@@ -100,12 +103,12 @@ def column(
     law: Any = ELASTIC,
     boundaries: Boundaries = ON_WALL,
     velocity: Callable[[Array], Array] = np.zeros_like,
-    safety: float = COURANT,
+    courant: float = COURANT,
 ) -> FiniteElementMethod:
     """Return such a row of cubes between rollers on its four sides: one-dimensional."""
     half = 0.5 * LENGTH / cells
     rollers = [Symmetry(axis, place) for axis in (0, 1) for place in (-half, half)]
-    return bar(cells, element, law, (*boundaries, *rollers), velocity, safety)
+    return bar(cells, element, law, (*boundaries, *rollers), velocity, courant)
 
 
 def upward(speed: Callable[[Array], Array]) -> Callable[[Array], Array]:

@@ -103,8 +103,8 @@ class FiniteElementMethod:
         if element < 0:
             return ""
         x, y, z = self.nodes.position[self.body.cells[element]].mean(axis=0)
-        state = "turned inside out" if self.limits.critical.min() <= 0.0 else "the thinnest"
-        return f"element {element}, at ({x:.3g}, {y:.3g}, {z:.3g}) mm, is {state}"
+        state = "is turned inside out" if self.limits.critical.min() <= 0.0 else "limits it"
+        return f"element {element}, at ({x:.3g}, {y:.3g}, {z:.3g}) mm, {state}"
 
     def totals(self) -> Totals:
         moving, straining = np.zeros((CHUNKS, 5)), np.zeros((CHUNKS, 5))

@@ -10,6 +10,7 @@ the differences do not shrink in one direction, order 1 is assumed. The uncertai
 
 import math
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -59,7 +60,7 @@ def limit(values: list[float], sizes: tuple[float, ...]) -> Limit:
     return Limit(third + step, abs(step), order)
 
 
-def table(head: list[str], rows: list[list[str]]) -> None:
+def table(head: Sequence[str], rows: list[list[str]]) -> None:
     """Print a Markdown table."""
     for row in (head, ["---"] * len(head), *rows):
         print("| " + " | ".join(row) + " |")

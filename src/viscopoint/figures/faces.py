@@ -13,7 +13,7 @@ from viscopoint.results import Run, Snapshot
 
 ON_CUT = 1e-9  # of the rod's width: an element whose centre is this close to the cut stays
 FINEST = 0.08  # mean width of a face over the rod's radius at which edges are still drawn; they would hide the colours
-EDGE: Any = {"edgecolors": (0.0, 0.0, 0.0, 0.4), "linewidths": 0.3}
+EDGE: Any = {"edgecolors": (0.0, 0.0, 0.0, 0.3), "linewidths": 0.25}
 SEAM: Any = {"edgecolors": "face", "linewidths": 0.3}  # closes the gaps that smooth drawing leaves between faces
 
 

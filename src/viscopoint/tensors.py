@@ -4,25 +4,15 @@ A ``Vec`` or ``Sym`` adds, subtracts and scales like the tensor it is, in Python
 lives in registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
 """
 
-import inspect
 import math
 import operator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from numba import types
-from numba.core import cgutils
-from numba.extending import (
-    lower_builtin,
-    make_attribute_wrapper,
-    models,
-    overload,
-    register_model,
-    type_callable,
-    typeof_impl,
-)
 
-from viscopoint.jit import INLINED, inline
+from viscopoint.jit import inline
+from viscopoint.values import hold_as_lanes, hold_as_struct, inside_kernels, lanewise, rearranged, scaled
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 
@@ -80,6 +70,14 @@ class Matrix(NamedTuple):
     zz: float
 
 
+class Columns(NamedTuple):
+    """A general second-order tensor, column by column: what it makes of the three axes."""
+
+    x: Vec
+    y: Vec
+    z: Vec
+
+
 # --- vectors ---------------------------------------------------------------------------------------------------------
 
 
@@ -95,35 +93,59 @@ def _scale_vector(k: float, a: Vec) -> Vec:
     return Vec(k * a.x, k * a.y, k * a.z)
 
 
+def product(a: Vec, b: Vec) -> Vec:
+    """Return the products of the components."""
+    return Vec(a.x * b.x, a.y * b.y, a.z * b.z)
+
+
+def cycled(a: Vec) -> Vec:
+    """Return (y, z, x)."""
+    return Vec(a.y, a.z, a.x)
+
+
+@inline
+def total(a: Vec) -> float:
+    """Return the sum of the components."""
+    return a.x + a.y + a.z
+
+
 @inline
 def dot(a: Vec, b: Vec) -> float:
     """Return a · b."""
-    return a.x * b.x + a.y * b.y + a.z * b.z
+    return total(product(a, b))
 
 
 @inline
 def cross(a: Vec, b: Vec) -> Vec:
     """Return a x b."""
-    return Vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+    return cycled(product(a, cycled(b)) - product(cycled(a), b))
 
 
 # --- general tensors -------------------------------------------------------------------------------------------------
 
 
 @inline
-def from_rows(x: Vec, y: Vec, z: Vec) -> Matrix:
-    """Return the tensor with the given rows."""
-    return Matrix(x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z)
+def applied(a: Columns, v: Vec) -> Vec:
+    """Return a v."""
+    return v.x * a.x + v.y * a.y + v.z * a.z
 
 
 @inline
-def applied(a: Matrix, v: Vec) -> Vec:
-    """Return a v."""
-    return Vec(
-        a.xx * v.x + a.xy * v.y + a.xz * v.z,
-        a.yx * v.x + a.yy * v.y + a.yz * v.z,
-        a.zx * v.x + a.zy * v.y + a.zz * v.z,
-    )
+def columns(a: Matrix) -> Columns:
+    """Return the tensor column by column."""
+    return Columns(Vec(a.xx, a.yx, a.zx), Vec(a.xy, a.yy, a.zy), Vec(a.xz, a.yz, a.zz))
+
+
+@inline
+def sym_columns(a: Sym) -> Columns:
+    """Return the tensor column by column."""
+    return Columns(Vec(a.xx, a.xy, a.zx), Vec(a.xy, a.yy, a.yz), Vec(a.zx, a.yz, a.zz))
+
+
+@inline
+def matrix(a: Columns) -> Matrix:
+    """Return the tensor row by row."""
+    return Matrix(a.x.x, a.y.x, a.z.x, a.x.y, a.y.y, a.z.y, a.x.z, a.y.z, a.z.z)
 
 
 @inline
@@ -157,14 +179,6 @@ def spherical(mean: float) -> Sym:
 def trace(a: Sym) -> float:
     """Return tr a."""
     return a.xx + a.yy + a.zz
-
-
-@inline
-def stretched(a: Sym, v: Vec) -> Vec:
-    """Return a v."""
-    return Vec(
-        a.xx * v.x + a.xy * v.y + a.zx * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z, a.zx * v.x + a.yz * v.y + a.zz * v.z
-    )
 
 
 @inline
@@ -244,59 +258,14 @@ def components(a: Sym) -> tuple[float, float, float, float, float, float]:
     return (a.xx, a.yy, a.zz, a.xy, a.yz, a.zx)
 
 
-# --- values inside kernels -------------------------------------------------------------------------------------------
+# --- inside kernels --------------------------------------------------------------------------------------------------
 
-
-def _register(value: type) -> type:
-    """Let kernels hold a class of floats as a struct, read its fields and construct it; return its Numba type."""
-    names = [field.name for field in fields(value)]
-
-    class ValueType(types.Type):
-        def __init__(self) -> None:
-            super().__init__(name=value.__name__)
-
-    kind = ValueType()
-
-    @typeof_impl.register(value)
-    def type_of(instance: Any, context: Any) -> Any:
-        return kind
-
-    @register_model(ValueType)
-    class ValueModel(models.StructModel):
-        def __init__(self, manager: Any, kind: Any) -> None:
-            super().__init__(manager, kind, [(name, types.float64) for name in names])
-
-    for name in names:
-        make_attribute_wrapper(ValueType, name, name)
-
-    @type_callable(value)
-    def type_constructor(context: Any) -> Any:
-        def typed(*given: Any, **named: Any) -> Any:
-            return kind
-
-        typed.__signature__ = inspect.signature(value)  # pyright: ignore[reportFunctionMemberAccess]  (Numba reads it)
-        return typed
-
-    @lower_builtin(value, *[types.Any] * len(names))
-    def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        made = cgutils.create_struct_proxy(kind)(context, builder)
-        for name, given, given_kind in zip(names, values, signature.args, strict=True):
-            setattr(made, name, context.cast(builder, given, given_kind, types.float64))
-        return made._getvalue()
-
-    return ValueType
-
-
-def _inside_kernels(symbol: Any, implementation: Any, left: type, right: type) -> None:
-    @overload(symbol, strict=False, jit_options=INLINED)
-    def resolve(a: Any, b: Any) -> Any:
-        return implementation if isinstance(a, left) and isinstance(b, right) else None
-
-
-for _value, _plus, _minus, _times in (
-    (_register(Vec), _add_vectors, _subtract_vectors, _scale_vector),
-    (_register(Sym), _add, _subtract, _scale),
-):
-    _inside_kernels(operator.add, _plus, _value, _value)
-    _inside_kernels(operator.sub, _minus, _value, _value)
-    _inside_kernels(operator.mul, _times, types.Number, _value)
+_VEC, _SYM = hold_as_lanes(Vec), hold_as_struct(Sym)
+inside_kernels(operator.add, lanewise("fadd"), _VEC, _VEC)
+inside_kernels(operator.sub, lanewise("fsub"), _VEC, _VEC)
+inside_kernels(operator.mul, scaled(), types.Number, _VEC)
+inside_kernels(product, lanewise("fmul"), _VEC, _VEC)
+inside_kernels(cycled, rearranged([1, 2, 0, 3]), _VEC)
+inside_kernels(operator.add, _add, _SYM, _SYM)
+inside_kernels(operator.sub, _subtract, _SYM, _SYM)
+inside_kernels(operator.mul, _scale, types.Number, _SYM)

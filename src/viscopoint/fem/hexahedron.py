@@ -18,7 +18,7 @@ import numpy as np
 
 from viscopoint.arrays import Array
 from viscopoint.jit import inline
-from viscopoint.tensors import Matrix, Sym, Vec, cross, dot, from_rows, stretched
+from viscopoint.tensors import Columns, Vec, applied, cross, dot, product, total
 
 GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 x 2 rule, whose points stand like the corners
 #                  0     1     2     3     4     5     6     7
@@ -136,21 +136,21 @@ def volume_gradient(place: Modes) -> Gradient:
 @inline
 def volume(place: Modes, gradient: Gradient) -> float:
     """Return the exact volume of the element, a cubic in its modes: by Euler, a third of x·∂V/∂x."""
-    return (
-        dot(place.xi, gradient.xi) + dot(place.eta, gradient.eta) + dot(place.zeta, gradient.zeta)
-        + dot(place.eta_zeta, gradient.eta_zeta) + dot(place.zeta_xi, gradient.zeta_xi)
-        + dot(place.xi_eta, gradient.xi_eta)
-    ) / 3.0  # fmt: skip
+    a, b, c, d, e, f, _ = place
+    w = gradient
+    linear = product(a, w.xi) + product(b, w.eta) + product(c, w.zeta)
+    return total(linear + product(d, w.eta_zeta) + product(e, w.zeta_xi) + product(f, w.xi_eta)) / 3.0
 
 
 @inline
-def mean_gradient(field: Modes, gradient: Gradient, scale: float) -> Matrix:
+def mean_gradient(field: Modes, gradient: Gradient, scale: float) -> Columns:
     """Return scale ∫∂field/∂x over the element: the field's mean gradient for scale = 1/V."""
     a, b, c, d, e, f, _ = field
-    return from_rows(
-        scale * _weighted(gradient, a.x, b.x, c.x, d.x, e.x, f.x),
-        scale * _weighted(gradient, a.y, b.y, c.y, d.y, e.y, f.y),
-        scale * _weighted(gradient, a.z, b.z, c.z, d.z, e.z, f.z),
+    w = gradient
+    return Columns(
+        scale * (w.xi.x * a + w.eta.x * b + w.zeta.x * c + w.eta_zeta.x * d + w.zeta_xi.x * e + w.xi_eta.x * f),
+        scale * (w.xi.y * a + w.eta.y * b + w.zeta.y * c + w.eta_zeta.y * d + w.zeta_xi.y * e + w.xi_eta.y * f),
+        scale * (w.xi.z * a + w.eta.z * b + w.zeta.z * c + w.eta_zeta.z * d + w.zeta_xi.z * e + w.xi_eta.z * f),
     )
 
 
@@ -173,20 +173,20 @@ def areas(tangents: Slopes) -> tuple[Slopes, float]:
 
 
 @inline
-def local_gradient(field: Slopes, faces: Slopes, scale: float) -> Matrix:
+def local_gradient(field: Slopes, faces: Slopes, scale: float) -> Columns:
     """Return scale det ∂field/∂x at the place where field and ``areas`` were taken."""
     a, b, c = field
-    return from_rows(
-        scale * (a.x * faces.xi + b.x * faces.eta + c.x * faces.zeta),
-        scale * (a.y * faces.xi + b.y * faces.eta + c.y * faces.zeta),
-        scale * (a.z * faces.xi + b.z * faces.eta + c.z * faces.zeta),
+    return Columns(
+        scale * (faces.xi.x * a + faces.eta.x * b + faces.zeta.x * c),
+        scale * (faces.xi.y * a + faces.eta.y * b + faces.zeta.y * c),
+        scale * (faces.xi.z * a + faces.eta.z * b + faces.zeta.z * c),
     )
 
 
 @inline
-def gathered(on: Modes, pull: Sym, faces: Slopes, xi: float, eta: float, zeta: float) -> Modes:
+def gathered(on: Modes, pull: Columns, faces: Slopes, xi: float, eta: float, zeta: float) -> Modes:
     """Add to the forces on the modes those of a stress at a place of weight one: the transpose of ``slopes``."""
-    a, b, c = stretched(pull, faces.xi), stretched(pull, faces.eta), stretched(pull, faces.zeta)
+    a, b, c = applied(pull, faces.xi), applied(pull, faces.eta), applied(pull, faces.zeta)
     return Modes(
         on.xi + a,
         on.eta + b,
@@ -214,17 +214,10 @@ def stable_length(gradient: Gradient, volume: float) -> float:
     ω² <= M Σ |∂V/∂x_m|² / (ρ V²) (after Flanagan & Belytschko 1984). The smallest edge alone, l/c, is too long a step
     where an element swells along all three axes at once, as it easily does in a soft solid of high bulk modulus.
     """
-    total = (
-        dot(gradient.xi, gradient.xi) + dot(gradient.eta, gradient.eta) + dot(gradient.zeta, gradient.zeta)
-        + dot(gradient.eta_zeta, gradient.eta_zeta) + dot(gradient.zeta_xi, gradient.zeta_xi)
-        + dot(gradient.xi_eta, gradient.xi_eta)
-    )  # fmt: skip
-    return 2.0 * volume / math.sqrt(total)
-
-
-@inline
-def _weighted(w: Gradient, a: float, b: float, c: float, d: float, e: float, f: float) -> Vec:
-    return a * w.xi + b * w.eta + c * w.zeta + d * w.eta_zeta + e * w.zeta_xi + f * w.xi_eta
+    w = gradient
+    linear = product(w.xi, w.xi) + product(w.eta, w.eta) + product(w.zeta, w.zeta)
+    others = product(w.eta_zeta, w.eta_zeta) + product(w.zeta_xi, w.zeta_xi) + product(w.xi_eta, w.xi_eta)
+    return 2.0 * volume / math.sqrt(total(linear + others))
 
 
 @inline

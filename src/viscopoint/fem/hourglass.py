@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from viscopoint.fem.hexahedron import Hourglass
 from viscopoint.jit import generic, implements, inline
-from viscopoint.tensors import Matrix, Vec, applied, dot
+from viscopoint.tensors import Matrix, Vec, applied, columns, product, total
 
 
 class ViscousControl(NamedTuple):
@@ -99,11 +99,12 @@ def spring(
     sound: float,
     length: float,
 ) -> tuple[Hourglass, tuple[float, ...], float]:
+    by = columns(turn)
     before = Hourglass(
-        applied(turn, Vec(memory[0], memory[1], memory[2])),
-        applied(turn, Vec(memory[3], memory[4], memory[5])),
-        applied(turn, Vec(memory[6], memory[7], memory[8])),
-        applied(turn, Vec(memory[9], memory[10], memory[11])),
+        applied(by, Vec(memory[0], memory[1], memory[2])),
+        applied(by, Vec(memory[3], memory[4], memory[5])),
+        applied(by, Vec(memory[6], memory[7], memory[8])),
+        applied(by, Vec(memory[9], memory[10], memory[11])),
     )
     strength = -control.coefficient * mass * (sound / length) ** 2 * dt
     force = Hourglass(
@@ -130,9 +131,9 @@ def scaled(factor: float, of: Hourglass) -> Hourglass:
 @inline
 def power(force: Hourglass, rate: Hourglass) -> float:
     """Return Σ h · q'."""
-    return (
-        dot(force.eta_zeta, rate.eta_zeta)
-        + dot(force.zeta_xi, rate.zeta_xi)
-        + dot(force.xi_eta, rate.xi_eta)
-        + dot(force.all, rate.all)
+    return total(
+        product(force.eta_zeta, rate.eta_zeta)
+        + product(force.zeta_xi, rate.zeta_xi)
+        + product(force.xi_eta, rate.xi_eta)
+        + product(force.all, rate.all)
     )

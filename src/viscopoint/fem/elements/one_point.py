@@ -26,7 +26,7 @@ from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, update_stress
 from viscopoint.rows import load, store
-from viscopoint.tensors import Matrix, Sym, applied, read, spherical, trace, write
+from viscopoint.tensors import Columns, Sym, applied, matrix, read, spherical, sym_columns, trace, write
 from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
 
 
@@ -89,7 +89,7 @@ def strain_one_point(
                     if alive[e] and least > 0.0:
                         least, where = 0.0, e
                     continue
-                strain, turn = strain_and_turn(mean_gradient(flow, half, dt / mid_volume))
+                strain, turn = strain_and_turn(matrix(mean_gradient(flow, half, dt / mid_volume)))
                 before, after = jacobian[e], now / elements.volume[e, 0]
                 stress, history, loss = update_stress(
                     law, factors, strain, turn, after, read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
@@ -127,7 +127,7 @@ def strain_one_point(
 
 
 @inline
-def unexplained(flow: Modes, mean: Matrix, place: Modes) -> Hourglass:
+def unexplained(flow: Modes, mean: Columns, place: Modes) -> Hourglass:
     """Return the velocity of the hourglass modes less what the mean gradient explains, q = v_α - L x_α."""
     return Hourglass(
         flow.eta_zeta - applied(mean, place.eta_zeta),
@@ -145,26 +145,11 @@ def nodal(pull: Sym, h: Hourglass, place: Modes, reach: Gradient, volume: float)
     like a stress.
     """
     d, e, f, g = place.eta_zeta, place.zeta_xi, place.xi_eta, place.all
-    k = 1.0 / volume
-    xx = pull.xx + k * (h.eta_zeta.x * d.x + h.zeta_xi.x * e.x + h.xi_eta.x * f.x + h.all.x * g.x)
-    xy = pull.xy + k * (h.eta_zeta.x * d.y + h.zeta_xi.x * e.y + h.xi_eta.x * f.y + h.all.x * g.y)
-    xz = pull.zx + k * (h.eta_zeta.x * d.z + h.zeta_xi.x * e.z + h.xi_eta.x * f.z + h.all.x * g.z)
-    yx = pull.xy + k * (h.eta_zeta.y * d.x + h.zeta_xi.y * e.x + h.xi_eta.y * f.x + h.all.y * g.x)
-    yy = pull.yy + k * (h.eta_zeta.y * d.y + h.zeta_xi.y * e.y + h.xi_eta.y * f.y + h.all.y * g.y)
-    yz = pull.yz + k * (h.eta_zeta.y * d.z + h.zeta_xi.y * e.z + h.xi_eta.y * f.z + h.all.y * g.z)
-    zx = pull.zx + k * (h.eta_zeta.z * d.x + h.zeta_xi.z * e.x + h.xi_eta.z * f.x + h.all.z * g.x)
-    zy = pull.yz + k * (h.eta_zeta.z * d.y + h.zeta_xi.z * e.y + h.xi_eta.z * f.y + h.all.z * g.y)
-    zz = pull.zz + k * (h.eta_zeta.z * d.z + h.zeta_xi.z * e.z + h.xi_eta.z * f.z + h.all.z * g.z)
-    total = Matrix(
-        -0.125 * xx,
-        -0.125 * xy,
-        -0.125 * xz,
-        -0.125 * yx,
-        -0.125 * yy,
-        -0.125 * yz,
-        -0.125 * zx,
-        -0.125 * zy,
-        -0.125 * zz,
+    stress, k = sym_columns(pull), -0.125 / volume
+    total = Columns(
+        k * (d.x * h.eta_zeta + e.x * h.zeta_xi + f.x * h.xi_eta + g.x * h.all) - 0.125 * stress.x,
+        k * (d.y * h.eta_zeta + e.y * h.zeta_xi + f.y * h.xi_eta + g.y * h.all) - 0.125 * stress.y,
+        k * (d.z * h.eta_zeta + e.z * h.zeta_xi + f.z * h.xi_eta + g.z * h.all) - 0.125 * stress.z,
     )
     return Modes(
         applied(total, reach.xi),

@@ -30,7 +30,7 @@ from viscopoint.jit import kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, update_stress
 from viscopoint.rows import load, store
-from viscopoint.tensors import deviator, dot, read, spherical, trace, write
+from viscopoint.tensors import deviator, dot, matrix, read, spherical, sym_columns, trace, write
 from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
 
 
@@ -86,7 +86,7 @@ def strain_selective(
                     reference += elements.volume[e, k]
                 before, after = jacobian[e], now / reference
                 stretch = mean_gradient(flow, half, dt / volume(middle, half))
-                swelling = stretch.xx + stretch.yy + stretch.zz
+                swelling = stretch.x.x + stretch.y.y + stretch.z.z
                 on, mean, sharpest, whole = moved(place, -1.0, place), 0.0, 0.0, now > 0.0
                 for k in range(8):
                     xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
@@ -96,7 +96,7 @@ def strain_selective(
                     if not whole:  # turned inside out
                         break
                     gradient = local_gradient(slopes(flow, xi, eta, zeta), mid_faces, dt / mid_det)
-                    strain, turn = strain_and_turn(gradient)
+                    strain, turn = strain_and_turn(matrix(gradient))
                     strain = deviator(strain) + spherical(swelling / 3.0)
                     stress, history, loss = update_stress(
                         law, factors, strain, turn, after, read(elements.stress[e, k]),
@@ -107,7 +107,7 @@ def strain_selective(
                     dissipated[e, k] += after * loss
                     mean += det * trace(stress) / 3.0
                     pull = -0.125 * deviator(stress)
-                    on = gathered(on, pull, faces, xi, eta, zeta)
+                    on = gathered(on, sym_columns(pull), faces, xi, eta, zeta)
                     area = dot(faces.xi, faces.xi) + dot(faces.eta, faces.eta) + dot(faces.zeta, faces.zeta)
                     sharpest = max(sharpest, area / (det * det))
                 if not whole:

@@ -1,0 +1,176 @@
+"""Small classes of floats as values inside kernels, so that they live in registers.
+
+``hold_as_struct`` lets kernels construct a frozen dataclass and read its fields; ``hold_as_lanes`` does the same for
+one of three fields, in one vector register of four numbers, of which an operation handles all at once: hexahedra take
+a quarter less time than with three numbers each.
+"""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import (
+    intrinsic,
+    lower_builtin,
+    make_attribute_wrapper,
+    models,
+    overload,
+    overload_attribute,
+    register_model,
+    type_callable,
+    typeof_impl,
+)
+
+from viscopoint.jit import INLINED
+
+LANES = ir.VectorType(ir.DoubleType(), 4)
+ATTRIBUTES: Any = {"strict": False, "jit_options": INLINED}
+
+
+def hold_as_struct(value: type) -> type:
+    """Let kernels hold a class as a struct; return its Numba type."""
+    names = [field.name for field in fields(value)]
+    kind = _declared(value)
+
+    @register_model(kind)
+    class Model(models.StructModel):
+        def __init__(self, manager: Any, kind: Any) -> None:
+            super().__init__(manager, kind, [(name, types.float64) for name in names])
+
+    for name in names:
+        make_attribute_wrapper(kind, name, name)
+
+    @lower_builtin(value, *[types.Any] * len(names))
+    def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        made = cgutils.create_struct_proxy(signature.return_type)(context, builder)
+        for name, given, given_kind in zip(names, values, signature.args, strict=True):
+            setattr(made, name, context.cast(builder, given, given_kind, types.float64))
+        return made._getvalue()
+
+    return kind
+
+
+def hold_as_lanes(value: type) -> type:
+    """Let kernels hold a class of three fields in one vector register, the fourth lane zero; return its Numba type."""
+    kind = _declared(value)
+
+    @register_model(kind)
+    class Model(models.PrimitiveModel):
+        def __init__(self, manager: Any, kind: Any) -> None:
+            super().__init__(manager, kind, LANES)
+
+    @lower_builtin(value, types.Any, types.Any, types.Any)
+    def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        packed = ir.Constant(LANES, [0.0] * 4)
+        for number, (given, given_kind) in enumerate(zip(values, signature.args, strict=True)):
+            packed = builder.insert_element(
+                packed, context.cast(builder, given, given_kind, types.float64), _at(number)
+            )
+        return packed
+
+    for number, field in enumerate(fields(value)):
+        _read_lane(kind, field.name, number)
+    return kind
+
+
+def inside_kernels(symbol: Any, implementation: Callable[..., Any], *kinds: type) -> None:
+    """Let kernels use ``implementation`` where ``symbol``, an operator or function, meets arguments of these types."""
+
+    @overload(symbol, **ATTRIBUTES)
+    def one(a: Any) -> Any:
+        return implementation if len(kinds) == 1 and isinstance(a, kinds[0]) else None
+
+    @overload(symbol, **ATTRIBUTES)
+    def two(a: Any, b: Any) -> Any:
+        return implementation if len(kinds) == 2 and isinstance(a, kinds[0]) and isinstance(b, kinds[1]) else None
+
+
+def lanewise(operation: str) -> Any:
+    """Return a function of two values held as lanes that LLVM's ``operation`` (fadd, fsub, fmul) takes at once."""
+
+    @intrinsic
+    def both(context: Any, a: Any, b: Any) -> Any:
+        def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            return getattr(builder, operation)(*values)
+
+        return a(a, b), lower
+
+    return lambda a, b: both(a, b)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+
+
+def scaled() -> Any:
+    """Return a function of a number and a value held as lanes."""
+
+    @intrinsic
+    def scale(context: Any, factor: Any, vector: Any) -> Any:
+        def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            number = context.cast(builder, values[0], signature.args[0], types.float64)
+            first = builder.insert_element(ir.Constant(LANES, ir.Undefined), number, _at(0))
+            return builder.fmul(_shuffled(builder, first, [0, 0, 0, 0]), values[1])
+
+        return vector(factor, vector), lower
+
+    return lambda a, b: scale(a, b)  # pyright: ignore[reportCallIssue]
+
+
+def rearranged(lanes: list[int]) -> Any:
+    """Return a function of a value held as lanes that takes its lanes in another order."""
+
+    @intrinsic
+    def shuffle(context: Any, vector: Any) -> Any:
+        def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            return _shuffled(builder, values[0], lanes)
+
+        return vector(vector), lower
+
+    return lambda a: shuffle(a)  # pyright: ignore[reportCallIssue]
+
+
+def _declared(value: type) -> type:
+    """Make Numba's type of a class and let kernels call the class."""
+
+    class ValueType(types.Type):
+        def __init__(self) -> None:
+            super().__init__(name=value.__name__)
+
+    kind = ValueType()
+
+    @typeof_impl.register(value)
+    def type_of(instance: Any, context: Any) -> Any:
+        return kind
+
+    @type_callable(value)
+    def type_constructor(context: Any) -> Any:
+        def typed(*given: Any) -> Any:
+            return kind
+
+        typed.__signature__ = inspect.signature(value)  # pyright: ignore[reportFunctionMemberAccess]  (Numba reads it)
+        return typed
+
+    return ValueType
+
+
+def _read_lane(kind: type, name: str, number: int) -> None:
+    @intrinsic
+    def extract(context: Any, vector: Any) -> Any:
+        def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            return builder.extract_element(values[0], _at(number))
+
+        return types.float64(vector), lower
+
+    @overload_attribute(kind, name, **ATTRIBUTES)
+    def component(vector: Any) -> Any:
+        return lambda vector: extract(vector)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+
+
+def _at(number: int) -> ir.Constant:
+    return ir.Constant(ir.IntType(32), number)
+
+
+def _shuffled(builder: Any, vector: Any, lanes: list[int]) -> Any:
+    mask = ir.Constant(ir.VectorType(ir.IntType(32), 4), lanes)
+    return builder.shuffle_vector(vector, ir.Constant(LANES, ir.Undefined), mask)

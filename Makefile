@@ -3,13 +3,16 @@
 VENV := .venv
 RUN := $(VENV)/bin
 
-.PHONY: reproduce test lint bench clean
+.PHONY: reproduce test test-long lint bench clean
 
 reproduce: $(VENV)/.installed  ## run the main job: the paper's rod
 	$(RUN)/viscopoint run paper --force
 
 test: $(VENV)/.installed-dev  ## run the tests
 	$(RUN)/pytest
+
+test-long: $(VENV)/.installed-dev  ## run the studies that take many minutes
+	$(RUN)/pytest -m long
 
 lint: $(VENV)/.installed-dev  ## ruff and pyright
 	$(RUN)/ruff check .

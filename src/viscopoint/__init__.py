@@ -1,4 +1,4 @@
-"""The Taylor impact test of viscoelastic solids, by the material point method.
+"""The Taylor impact test of viscoelastic solids, by the material point method and by finite elements.
 
 >>> import viscopoint as vp
 >>> case = vp.Case.load("paper").with_(material={"decay": "65 1/ms"})

@@ -50,7 +50,7 @@ HOURGLASS: dict[str, type[ViscousControl] | type[StiffnessControl]] = {
 def resist(
     control: Any,
     memory: tuple[float, ...],
-    rate: Hourglass,
+    slip: Hourglass,
     turn: Matrix,
     dt: float,
     mass: float,
@@ -62,7 +62,7 @@ def resist(
     Args:
         control: the control.
         memory: what it kept from the step before.
-        rate: velocity of the modes [mm/ms].
+        slip: what the modes moved in the step [mm].
         turn: rotation over the step.
         dt: step [ms].
         mass: of the element [g].
@@ -76,15 +76,15 @@ def resist(
 def damp(
     control: ViscousControl,
     memory: tuple[float, ...],
-    rate: Hourglass,
+    slip: Hourglass,
     turn: Matrix,
     dt: float,
     mass: float,
     sound: float,
     length: float,
 ) -> tuple[Hourglass, tuple[float, ...], float]:
-    force = scaled(-16.0 * control.coefficient * mass * sound / length, rate)
-    loss = -power(force, rate)
+    force = scaled(-16.0 * control.coefficient * mass * sound / (length * dt), slip)
+    loss = -work(force, slip) / dt
     return force, (loss,), 0.5 * dt * (math.sqrt(memory[0] * loss) + loss)
 
 
@@ -92,7 +92,7 @@ def damp(
 def spring(
     control: StiffnessControl,
     memory: tuple[float, ...],
-    rate: Hourglass,
+    slip: Hourglass,
     turn: Matrix,
     dt: float,
     mass: float,
@@ -106,20 +106,15 @@ def spring(
         applied(by, Vec(memory[6], memory[7], memory[8])),
         applied(by, Vec(memory[9], memory[10], memory[11])),
     )
-    strength = -control.coefficient * mass * (sound / length) ** 2 * dt
-    force = Hourglass(
-        before.eta_zeta + strength * rate.eta_zeta,
-        before.zeta_xi + strength * rate.zeta_xi,
-        before.xi_eta + strength * rate.xi_eta,
-        before.all + strength * rate.all,
-    )
+    change = scaled(-control.coefficient * mass * (sound / length) ** 2, slip)
+    force = added(before, change)
     kept = (
         force.eta_zeta.x, force.eta_zeta.y, force.eta_zeta.z,
         force.zeta_xi.x, force.zeta_xi.y, force.zeta_xi.z,
         force.xi_eta.x, force.xi_eta.y, force.xi_eta.z,
         force.all.x, force.all.y, force.all.z,
     )  # fmt: skip
-    return force, kept, -0.5 * dt * (power(before, rate) + power(force, rate))
+    return force, kept, -work(added(before, scaled(0.5, change)), slip)
 
 
 @inline
@@ -129,11 +124,17 @@ def scaled(factor: float, of: Hourglass) -> Hourglass:
 
 
 @inline
-def power(force: Hourglass, rate: Hourglass) -> float:
-    """Return Σ h · q'."""
+def added(a: Hourglass, b: Hourglass) -> Hourglass:
+    """Return the sum of both."""
+    return Hourglass(a.eta_zeta + b.eta_zeta, a.zeta_xi + b.zeta_xi, a.xi_eta + b.xi_eta, a.all + b.all)
+
+
+@inline
+def work(force: Hourglass, slip: Hourglass) -> float:
+    """Return Σ h · q."""
     return total(
-        product(force.eta_zeta, rate.eta_zeta)
-        + product(force.zeta_xi, rate.zeta_xi)
-        + product(force.xi_eta, rate.xi_eta)
-        + product(force.all, rate.all)
+        product(force.eta_zeta, slip.eta_zeta)
+        + product(force.zeta_xi, slip.zeta_xi)
+        + product(force.xi_eta, slip.xi_eta)
+        + product(force.all, slip.all)
     )

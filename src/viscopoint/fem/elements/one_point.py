@@ -89,7 +89,8 @@ def strain_one_point(
                     if alive[e] and least > 0.0:
                         least, where = 0.0, e
                     continue
-                strain, turn = strain_and_turn(matrix(mean_gradient(flow, half, dt / mid_volume)))
+                gradient = mean_gradient(flow, half, dt / mid_volume)
+                strain, turn = strain_and_turn(matrix(gradient))
                 before, after = jacobian[e], now / elements.volume[e, 0]
                 stress, history, loss = update_stress(
                     law, factors, strain, turn, after, read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
@@ -107,9 +108,8 @@ def strain_one_point(
                 viscous_loss[e] -= 0.5 * swept * (before * viscous_pressure[e] + after * pressure)
                 viscous_pressure[e] = pressure
 
-                mean = mean_gradient(flow, reach, 1.0 / now)
                 force, memory, work = resist(
-                    hourglass, load(elements.memory[e], kept), unexplained(flow, mean, place), turn, dt,
+                    hourglass, load(elements.memory[e], kept), unexplained(flow, dt, gradient, middle), turn, dt,
                     law.density * elements.volume[e, 0], here, length,
                 )  # fmt: skip
                 store(elements.memory[e], memory)
@@ -127,13 +127,13 @@ def strain_one_point(
 
 
 @inline
-def unexplained(flow: Modes, mean: Columns, place: Modes) -> Hourglass:
-    """Return the velocity of the hourglass modes less what the mean gradient explains, q = v_α - L x_α."""
+def unexplained(flow: Modes, dt: float, gradient: Columns, place: Modes) -> Hourglass:
+    """Return the step of the hourglass modes less what the mean gradient explains, q = Δt v_α - G x_α, at mid-step."""
     return Hourglass(
-        flow.eta_zeta - applied(mean, place.eta_zeta),
-        flow.zeta_xi - applied(mean, place.zeta_xi),
-        flow.xi_eta - applied(mean, place.xi_eta),
-        flow.all - applied(mean, place.all),
+        dt * flow.eta_zeta - applied(gradient, place.eta_zeta),
+        dt * flow.zeta_xi - applied(gradient, place.zeta_xi),
+        dt * flow.xi_eta - applied(gradient, place.xi_eta),
+        dt * flow.all - applied(gradient, place.all),
     )
 
 

@@ -14,6 +14,7 @@ import viscopoint.laws  # noqa: F401  (its modules declare the materials)
 from viscopoint.errors import CaseError, Fault, InputError, nearest
 from viscopoint.explain import explain, valid_values
 from viscopoint.fem.inputs import FEMInput
+from viscopoint.folder import is_file
 from viscopoint.inputs import Guards, Impact, Material, MethodInput, Output, Rod, Table, Time
 from viscopoint.mpm.inputs import MPMInput
 from viscopoint.rules import broken
@@ -148,7 +149,8 @@ def _replaced(own: MethodInput, name: str) -> dict[str, Any]:
         return own.model_dump(mode="json", exclude_none=True)
     if not own.resolution():
         raise InputError(f"method '{name}': the case's own takes its resolution from a file; write a [method] table")
-    return METHODS[name].at_resolution(own.resolution())
+    shared = {"bulk_viscosity": own.bulk_viscosity.model_dump(mode="json")}
+    return METHODS[name].at_resolution(own.resolution()) | shared
 
 
 def _located(tables: dict[str, Any], source: Path) -> dict[str, Any]:
@@ -171,7 +173,7 @@ def _nested(key: str, value: Any) -> dict[str, Any]:
 
 def _read(source: str | Path) -> dict[str, Any]:
     path = Path(source)
-    if path.suffix != ".toml" and not _is_file(path):
+    if path.suffix != ".toml" and not is_file(path):
         names = packaged()
         if str(source) not in names:
             raise InputError(f"there is no case '{source}', neither packaged nor a file; {nearest(str(source), names)}")
@@ -184,13 +186,6 @@ def _read(source: str | Path) -> dict[str, Any]:
         raise InputError(f"case file {path}: cannot be read ({error.strerror})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise InputError(f"case file {path}: not TOML ({error})") from None
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:  # such as a name too long
-        return False
 
 
 def _with_base(tables: dict[str, Any], source: str) -> dict[str, Any]:

@@ -68,6 +68,9 @@ def valid_values(table: type[BaseModel], given: Mapping[str, Any], prefix: str =
     for name, field in table.model_fields.items():
         value = given.get(name, field.default)
         tables = list(_tables(field.annotation))
+        if name not in given and not tables and not field.is_required():
+            values[prefix + name] = value  # a default is in our units already
+            continue
         for inner in tables:
             if _fits(inner, value):
                 values |= valid_values(inner, value, f"{prefix}{name}.")

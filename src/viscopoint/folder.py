@@ -53,6 +53,14 @@ def _place_faults(folder: Path) -> Iterator[None]:
         raise InputError(f"output folder {folder}: cannot be made or written ({error.strerror})") from None
 
 
+def is_file(path: Path) -> bool:
+    """Return whether there is such a file; a name that cannot be one is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long, or with a null character
+        return False
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a file whole or not at all."""
     part = path.with_name(f".{path.name}.part")

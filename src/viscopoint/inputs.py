@@ -110,7 +110,8 @@ class Impact(Table):
 
     def boundary(self) -> RigidWall | Symmetry:
         """Return what the rod hits: an anvil, or its own mirror image, off which the foot never comes."""
-        return RigidWall(-self.gap, self.friction) if self.wall == "rigid" else Symmetry(2, -self.gap)
+        height = 0.0 - self.gap  # not the negative zero
+        return RigidWall(height, self.friction) if self.wall == "rigid" else Symmetry(2, height)
 
 
 @rule("impact.wall", "impact.gap", "impact.friction")

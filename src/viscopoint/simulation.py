@@ -32,7 +32,7 @@ class Simulation:
     def __init__(self, model: Model, writers: Sequence[Writer] = (), watch: Watch | None = None) -> None:
         self.model, self.writers, self.watch = model, writers, watch
         self.ledger = Ledger(model.method, model.body.surface)
-        self.time, self.step, self.busy = 0.0, 0, 0.0
+        self.time, self.step, self.time_step, self.busy = 0.0, 0, 0.0, 0.0
         self.rows: list[Row] = []
         self.errors = (0.0, 0.0)  # of energy and momentum
         self.first_step = model.method.stable_step()
@@ -70,7 +70,7 @@ class Simulation:
             dt = (instant - self.time) / max(left, 1)
             method.advance(dt)
             self.time = instant if left <= 1 else self.time + dt
-            self.step += 1
+            self.step, self.time_step = self.step + 1, dt
             if left <= 1 or self.time - row.time >= case.output.history_interval:
                 row = self._record(dt)
             check_step(self.time, self.first_step, case.guards, method)
@@ -92,6 +92,10 @@ class Simulation:
     def _keep_last_state(self) -> None:
         """Keep what a guard stopped at, if there is anything new and finite to see."""
         row = self.ledger.before
+        if row.time < self.time:  # no row was due at this step
+            row = self.ledger.row(self.time, self.step, self.time_step)
+            for writer in self.writers:
+                writer.row(row)
         if all(map(math.isfinite, row)) and (not self.rows or row.time > self.rows[-1].time):
             self._snapshot(row)
 

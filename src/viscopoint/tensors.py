@@ -12,7 +12,16 @@ from typing import Any, NamedTuple
 from numba import types
 
 from viscopoint.jit import inline
-from viscopoint.values import hold_as_lanes, hold_as_struct, inside_kernels, lanewise, rearranged, scaled
+from viscopoint.values import (
+    fetched,
+    hold_as_lanes,
+    hold_as_struct,
+    inside_kernels,
+    lanewise,
+    rearranged,
+    scaled,
+    stored,
+)
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 
@@ -101,6 +110,16 @@ def product(a: Vec, b: Vec) -> Vec:
 def cycled(a: Vec) -> Vec:
     """Return (y, z, x)."""
     return Vec(a.y, a.z, a.x)
+
+
+def fetch(rows: Any, n: int) -> Vec:
+    """Read a vector from row n of ``rows[n, 4]``, whose fourth column is there to make it a whole vector register."""
+    return Vec(*rows[n, :3])
+
+
+def put(rows: Any, n: int, a: Vec) -> None:
+    """Store a vector in row n of ``rows[n, 4]``."""
+    rows[n, :3] = a.x, a.y, a.z
 
 
 @inline
@@ -266,6 +285,8 @@ inside_kernels(operator.sub, lanewise("fsub"), _VEC, _VEC)
 inside_kernels(operator.mul, scaled(), types.Number, _VEC)
 inside_kernels(product, lanewise("fmul"), _VEC, _VEC)
 inside_kernels(cycled, rearranged([1, 2, 0, 3]), _VEC)
+inside_kernels(fetch, fetched(Vec), types.Array, types.Integer)
+inside_kernels(put, stored(), types.Array, types.Integer, _VEC)
 inside_kernels(operator.add, _add, _SYM, _SYM)
 inside_kernels(operator.sub, _subtract, _SYM, _SYM)
 inside_kernels(operator.mul, _scale, types.Number, _SYM)

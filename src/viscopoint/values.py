@@ -28,6 +28,7 @@ from numba.extending import (
 from viscopoint.jit import INLINED
 
 LANES = ir.VectorType(ir.DoubleType(), 4)
+_KINDS: dict[type, Any] = {}  # Numba's types of the classes
 ATTRIBUTES: Any = {"strict": False, "jit_options": INLINED}
 
 
@@ -88,6 +89,10 @@ def inside_kernels(symbol: Any, implementation: Callable[..., Any], *kinds: type
     def two(a: Any, b: Any) -> Any:
         return implementation if len(kinds) == 2 and isinstance(a, kinds[0]) and isinstance(b, kinds[1]) else None
 
+    @overload(symbol, **ATTRIBUTES)
+    def three(a: Any, b: Any, c: Any) -> Any:
+        return implementation if len(kinds) == 3 and all(map(isinstance, (a, b, c), kinds)) else None
+
 
 def lanewise(operation: str) -> Any:
     """Return a function of two values held as lanes that LLVM's ``operation`` (fadd, fsub, fmul) takes at once."""
@@ -130,6 +135,42 @@ def rearranged(lanes: list[int]) -> Any:
     return lambda a: shuffle(a)  # pyright: ignore[reportCallIssue]
 
 
+def fetched(value: type) -> Any:
+    """Return a function of rows ``[n, 4]`` and n that reads a value held as lanes at once."""
+
+    @intrinsic
+    def fetch(context: Any, rows: Any, number: Any) -> Any:
+        kind = _KINDS[value]
+
+        def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            return builder.load(_place(context, builder, signature, values), align=8)
+
+        return kind(rows, number), lower
+
+    return lambda rows, n: fetch(rows, n)  # pyright: ignore[reportCallIssue]
+
+
+def stored() -> Any:
+    """Return a function of rows ``[n, 4]``, n and a value held as lanes that writes it at once."""
+
+    @intrinsic
+    def store(context: Any, rows: Any, number: Any, vector: Any) -> Any:
+        def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            builder.store(values[2], _place(context, builder, signature, values), align=8)
+            return context.get_dummy_value()
+
+        return types.none(rows, number, vector), lower
+
+    return lambda rows, n, v: store(rows, n, v)  # pyright: ignore[reportCallIssue]
+
+
+def _place(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    """Return the address of a row of four numbers."""
+    rows = context.make_array(signature.args[0])(context, builder, values[0])
+    first = builder.mul(values[1], ir.Constant(values[1].type, 4))
+    return builder.bitcast(builder.gep(rows.data, [first]), LANES.as_pointer())
+
+
 def _declared(value: type) -> type:
     """Make Numba's type of a class and let kernels call the class."""
 
@@ -137,7 +178,7 @@ def _declared(value: type) -> type:
         def __init__(self) -> None:
             super().__init__(name=value.__name__)
 
-    kind = ValueType()
+    kind = _KINDS[value] = ValueType()
 
     @typeof_impl.register(value)
     def type_of(instance: Any, context: Any) -> Any:

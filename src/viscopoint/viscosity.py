@@ -20,6 +20,26 @@ def viscous_speed(viscosity: BulkViscosity, length: float, sound: float, rate: f
 
 
 @inline
+def viscous_pressure(
+    viscosity: BulkViscosity, density: float, length: float, sound: float, rate: float
+) -> tuple[float, float]:
+    """Return q [MPa] and q / (rho l |d|) [mm/ms]."""
+    damping = viscous_speed(viscosity, length, sound, rate)
+    return density * length * abs(rate) * damping, damping
+
+
+@inline
 def signal_speed(sound: float, damping: float) -> float:
     """Return the speed that bounds the stable step, length / speed, with bulk viscosity [mm/ms] (DYNA3D)."""
     return damping + math.sqrt(damping * damping + sound * sound)
+
+
+@inline
+def longest_step(viscosity: BulkViscosity, stable: float, length: float, sound: float, damping: float) -> float:
+    """Return the longest step of a finite element [ms].
+
+    Its highest frequency is 2 sound / ``stable``; the viscosity's ``length`` is that of one edge, so that what swells
+    along all three is damped by the ratio of the two more strongly. The linear term counts also where the element
+    expands now: in the next step it may not.
+    """
+    return stable / signal_speed(sound, max(damping, viscosity.linear * sound) * length / stable)

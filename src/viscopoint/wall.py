@@ -5,6 +5,8 @@ from typing import Any, NamedTuple
 
 from viscopoint.jit import generic, implements
 
+TALLY = 5  # what a boundary does: impulse x, y, z [N ms]; work of the normal and of the tangential impulse [mJ]
+
 
 class RigidWall(NamedTuple):
     """An infinite rigid plane z = height below the body: it pushes, rubs (Coulomb) and lets go without adhesion."""

@@ -101,6 +101,16 @@ def test_the_command_line_chooses_the_method_and_names_the_folder_by_it(
         (["--method", "fem", "--set", "method.hourglass.form=stiff"], "did you mean 'stiffness'"),
         (["--method", "fem", "--set", "method.element=one"], "allowed: one-point, selective"),
         (["--method", "fem", "--set", "method.grading=0"], "must not be less than 0.01"),
+        (
+            ["--method", "fem", "--set", "method.grading=100"],
+            "method.size: 0.38 mm, graded by 100, makes layers thicker",
+        ),
+        (["--method", "fem", "--set", "method.mesh_unit=1 m"], "1000 mm has no effect without method.mesh"),
+        (
+            ["--method", "fem", "--set", "method.element=selective", "--set", "method.hourglass.coefficient=0.05"],
+            "has no hourglass modes",
+        ),
+        (["--set", "impact.wall=symmetry"], 'impact.wall: "symmetry" holds the foot from the start'),
     ],
 )
 def test_bad_input_gives_one_message_and_code_2_and_writes_nothing(
@@ -111,6 +121,18 @@ def test_bad_input_gives_one_message_and_code_2_and_writes_nothing(
     assert (code, out) == (2, "")
     assert message in messages
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_rule_on_keys_that_are_left_out_names_its_fault():
+    with pytest.raises(vp.CaseError, match=r"1 fault:\n  impact\.wall: .* impact\.gap and impact\.friction must be 0"):
+        vp.Case.load("copper", {"impact.friction": 0.1})
+
+
+def test_what_both_methods_share_is_kept_when_the_method_is_changed(tmp_path: Path):
+    own = {"method.bulk_viscosity": {"linear": 0.5, "quadratic": 3.0}}
+    (tmp_path / "own.toml").write_text(vp.Case.load("paper", own).to_toml())
+    other = vp.Case.load(tmp_path / "own.toml", method="fem")
+    assert other.method.bulk_viscosity == vp.Case.load("paper", own).method.bulk_viscosity
 
 
 def test_schema_describes_both_methods():
@@ -183,6 +205,16 @@ def test_a_tangled_mesh_stops_with_element_place_time_and_advice(tmp_path: Path)
     assert len(run.times) == len(run.rows) == 2
     assert len(run.history) == run.results.steps + 1
     assert len(list((tmp_path / "run" / "figures").iterdir())) == 4
+
+
+def test_the_last_state_of_a_stopped_run_has_its_own_time(tmp_path: Path):
+    changes = {"method.size": "1.9 mm", "impact.speed": "4000 m/s", "output.history_interval": "0.9 us"}
+    run = vp.run(vp.Case.load("paper", changes, method="fem"), tmp_path / "run", figures=False)
+    assert run.status == "stopped"
+    # the tail has not felt the wall yet: it tells the time
+    tail = run.snapshot(-1)["displacement"][run.body.surface.tail[:, 0], 2].mean()
+    assert run.times[-1] == pytest.approx(-tail / 4000.0, rel=1e-9)
+    assert run.history["time"].iloc[-1] == run.times[-1]
 
 
 def test_with_deletion_the_run_goes_on_and_counts(eroded: vp.Run):

@@ -247,10 +247,10 @@ def shaken(element: Element, law: Any, safety: float, viscosity: tuple[float, fl
 def test_energy_of_a_small_vibration_closes_to_second_order_in_the_time_step(
     element: Element, law: Any, viscosity: tuple[float, float]
 ) -> None:
-    errors = [shaken(element, law, safety, viscosity) for safety in (0.4, 0.2, 0.1)]
-    # waves of the mesh's length, with w dt up to 0.8, swing in their own phase
+    errors = [shaken(element, law, safety, viscosity) for safety in (0.8, 0.4, 0.2)]
+    # waves of the mesh's length swing in their own phase: what they add is up to a tenth of an order
     assert_allclose(order(np.abs(errors).tolist()), 2.0, atol=0.1)
-    assert abs(errors[0]) < 0.4**2 / 4  # leapfrog's swing of the shortest waves
+    assert abs(errors[0]) < 0.8**2 / 4  # leapfrog's swing of the shortest waves
 
 
 # --- bits ---

@@ -149,6 +149,27 @@ def test_free_cube_is_stable_at_its_own_step(element: Element, shear: float) -> 
 
 
 @each_element
+@pytest.mark.parametrize("linear", [0.06, 0.3, 1.0])
+@pytest.mark.parametrize("shear", [0.0, 140.0])
+def test_bulk_viscosity_is_in_the_step_of_what_swells(element: Element, linear: float, shear: float) -> None:
+    """Damped by a share xi of the critical, a mode of w allows steps of 2 (sqrt(1 + xi^2) - xi) / w.
+
+    A free cube of edge h swells with w = sqrt(12) c/h, and q = linear rho c tr D h damps it by xi = sqrt(3) linear.
+    """
+    law = LinearViscoelastic(DENSITY, 550.0, shear, 0.0, 0.0)
+    body = brick((1.0, 1.0, 1.0), (1, 1, 1), foot=-0.5)
+    choices = Discretisation(element, 1.0, BulkViscosity(linear, 1.5))
+    method = FiniteElementMethod(body, law, (), choices, 1e-3 * body.position)
+    start = method.totals().kinetic
+    for _ in range(400):
+        method.advance(method.stable_step())
+    assert method.totals().kinetic <= start
+    xi = np.sqrt(3.0) * linear
+    at_rest = (np.sqrt(1.0 + xi**2) - xi) / np.sqrt(3.0) / method.sound
+    assert_allclose(method.stable_step(), at_rest, rtol=1e-3)  # the speed left, over that of sound
+
+
+@each_element
 @pytest.mark.parametrize("shear", [0.055, 140.0])
 @pytest.mark.parametrize("body", [brick((3.0, 3.0, 3.0), (3, 3, 3)), rod_mesh(2.0, 4.0, 0.7)], ids=["cubes", "rod"])
 def test_mesh_is_stable_at_the_usual_safety(element: Element, shear: float, body: Body) -> None:

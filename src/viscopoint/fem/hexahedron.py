@@ -88,6 +88,13 @@ def modes(values: Array, corner: Any) -> Modes:
 
 
 @inline
+def no_modes() -> Modes:
+    """Return no field at all."""
+    none = Vec(0.0, 0.0, 0.0)
+    return Modes(none, none, none, none, none, none, none)
+
+
+@inline
 def spread(force: Array, corner: Any, on: Modes) -> None:
     """Add to the nodal ``force[n, 3]`` the corner forces of which ``on`` is an eighth of the forces on the modes."""
     p, q, r = on.xi - on.zeta_xi, on.eta - on.eta_zeta, on.xi_eta - on.all
@@ -210,9 +217,10 @@ def smallest_length(gradient: Gradient, volume: float) -> float:
 def stable_length(gradient: Gradient, volume: float) -> float:
     """Return l such that no element frequency exceeds 2c/l: 1/l² = Σ 1/l_k² of a brick's three edges.
 
-    The power of a stress is Σ v_m · σ ∂V/∂x_m and the element's mass moves with v_m², so that by Cauchy and Schwarz
-    ω² <= M Σ |∂V/∂x_m|² / (ρ V²) (after Flanagan & Belytschko 1984). The smallest edge alone, l/c, is too long a step
-    where an element swells along all three axes at once, as it easily does in a soft solid of high bulk modulus.
+    The power of a stress is Σ v_m · σ ∂V/∂x_m and the element's mass, an eighth at each corner, moves with v_m², so
+    that by Cauchy and Schwarz ω² <= M Σ |∂V/∂x_m|² / (ρ V²) (after Flanagan & Belytschko 1984). The smallest edge
+    alone, l/c, is too long a step where an element swells along all three axes at once, as it easily does in a soft
+    solid of high bulk modulus.
     """
     w = gradient
     linear = product(w.xi, w.xi) + product(w.eta, w.eta) + product(w.zeta, w.zeta)

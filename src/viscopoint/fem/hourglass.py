@@ -1,30 +1,22 @@
 """Control of the hourglass modes of one-point elements (Flanagan & Belytschko 1981).
 
 The four modes that a uniform strain does not see deform an element without stress. A force h on each resists it; as it
-works on the modes less what the mean gradient explains of them, it disturbs neither uniform strain nor rotation.
+works on the modes less what the mean gradient explains of them, it disturbs neither uniform strain nor rotation. A
+force acts on half a step before and half a step after it was found, so its work over a step is (h_n + h_n+1) · q / 2.
 """
 
-import math
 from typing import Any, NamedTuple
 
+from viscopoint.arrays import Array
 from viscopoint.fem.hexahedron import Hourglass
 from viscopoint.jit import generic, implements, inline
-from viscopoint.tensors import Matrix, Vec, applied, columns, product, total
+from viscopoint.tensors import Matrix, applied, columns, fetch, product, put, total
 
 
 class ViscousControl(NamedTuple):
-    """h = -16 coefficient rho c (V/l) q', the damper of DYNA3D: LS-DYNA's form 1 (with l for the cube root of V).
-
-    A force is that of the motion before it, and acts on half a step before and half a step after. Its work over a step
-    is the mean of h_n·q' and h_n+1·q'; it remembers the power P_n of the step before, as h_n·q' = sqrt(P_n P_n+1) up to
-    the second order in the step.
-    """
+    """h = -16 coefficient rho c (V/l) q', the damper of DYNA3D: LS-DYNA's form 1 (with l for the cube root of V)."""
 
     coefficient: float = 0.1  # Q_hg
-
-    @property
-    def memory(self) -> int:
-        return 1
 
 
 class StiffnessControl(NamedTuple):
@@ -35,10 +27,6 @@ class StiffnessControl(NamedTuple):
 
     coefficient: float = 0.05
 
-    @property
-    def memory(self) -> int:
-        return 12
-
 
 HOURGLASS: dict[str, type[ViscousControl] | type[StiffnessControl]] = {
     "viscous": ViscousControl,
@@ -48,20 +36,13 @@ HOURGLASS: dict[str, type[ViscousControl] | type[StiffnessControl]] = {
 
 @generic
 def resist(
-    control: Any,
-    memory: tuple[float, ...],
-    slip: Hourglass,
-    turn: Matrix,
-    dt: float,
-    mass: float,
-    sound: float,
-    length: float,
-) -> tuple[Hourglass, tuple[float, ...], float]:
-    """Return the forces on the four modes, the memory of them and the work done against them [mJ].
+    control: Any, before: Hourglass, slip: Hourglass, turn: Matrix, dt: float, mass: float, sound: float, length: float
+) -> tuple[Hourglass, float]:
+    """Return the forces on the four modes [N] and the work done against them [mJ].
 
     Args:
         control: the control.
-        memory: what it kept from the step before.
+        before: the forces of the step before [N].
         slip: what the modes moved in the step [mm].
         turn: rotation over the step.
         dt: step [ms].
@@ -75,46 +56,58 @@ def resist(
 @implements(resist, ViscousControl)
 def damp(
     control: ViscousControl,
-    memory: tuple[float, ...],
+    before: Hourglass,
     slip: Hourglass,
     turn: Matrix,
     dt: float,
     mass: float,
     sound: float,
     length: float,
-) -> tuple[Hourglass, tuple[float, ...], float]:
+) -> tuple[Hourglass, float]:
     force = scaled(-16.0 * control.coefficient * mass * sound / (length * dt), slip)
-    loss = -work(force, slip) / dt
-    return force, (loss,), 0.5 * dt * (math.sqrt(memory[0] * loss) + loss)
+    return force, -0.5 * work(added(before, force), slip)
 
 
 @implements(resist, StiffnessControl)
 def spring(
     control: StiffnessControl,
-    memory: tuple[float, ...],
+    before: Hourglass,
     slip: Hourglass,
     turn: Matrix,
     dt: float,
     mass: float,
     sound: float,
     length: float,
-) -> tuple[Hourglass, tuple[float, ...], float]:
-    by = columns(turn)
-    before = Hourglass(
-        applied(by, Vec(memory[0], memory[1], memory[2])),
-        applied(by, Vec(memory[3], memory[4], memory[5])),
-        applied(by, Vec(memory[6], memory[7], memory[8])),
-        applied(by, Vec(memory[9], memory[10], memory[11])),
-    )
+) -> tuple[Hourglass, float]:
+    start = turned(before, turn)
     change = scaled(-control.coefficient * mass * (sound / length) ** 2, slip)
-    force = added(before, change)
-    kept = (
-        force.eta_zeta.x, force.eta_zeta.y, force.eta_zeta.z,
-        force.zeta_xi.x, force.zeta_xi.y, force.zeta_xi.z,
-        force.xi_eta.x, force.xi_eta.y, force.xi_eta.z,
-        force.all.x, force.all.y, force.all.z,
-    )  # fmt: skip
-    return force, kept, -work(added(before, scaled(0.5, change)), slip)
+    return added(start, change), -work(added(start, scaled(0.5, change)), slip)
+
+
+@inline
+def recalled(memory: Array, element: Any) -> Hourglass:
+    """Return the forces of the step before."""
+    first = 4 * element
+    return Hourglass(fetch(memory, first), fetch(memory, first + 1), fetch(memory, first + 2), fetch(memory, first + 3))
+
+
+@inline
+def remember(memory: Array, element: Any, force: Hourglass) -> None:
+    """Keep the forces for the next step."""
+    first = 4 * element
+    put(memory, first, force.eta_zeta)
+    put(memory, first + 1, force.zeta_xi)
+    put(memory, first + 2, force.xi_eta)
+    put(memory, first + 3, force.all)
+
+
+@inline
+def turned(force: Hourglass, turn: Matrix) -> Hourglass:
+    """Return the forces turned with the element."""
+    by = columns(turn)
+    return Hourglass(
+        applied(by, force.eta_zeta), applied(by, force.zeta_xi), applied(by, force.xi_eta), applied(by, force.all)
+    )
 
 
 @inline

@@ -10,13 +10,14 @@ from viscopoint.body import Body
 from viscopoint.fem.elements import ELEMENTS
 from viscopoint.fem.hourglass import HOURGLASS, StiffnessControl, ViscousControl
 from viscopoint.fem.method import Discretisation, FiniteElementMethod
-from viscopoint.fem.reading import read_rod
+from viscopoint.fem.reading import read_rod, unreadable
 from viscopoint.fem.rod import rod_elements, rod_mesh
 from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
 from viscopoint.laws import Law
 from viscopoint.rules import rule
 from viscopoint.units import Length
 
+CONTROLLED = ("one-point",)  # elements that have hourglass modes to control
 BYTES_PER_ELEMENT = 1500  # of eight points, with nodes and one snapshot being written: a generous count
 
 
@@ -38,7 +39,7 @@ class FEMInput(MethodInput):
     name: Literal["fem"]
     size: Length | None = None
     grading: float = Field(default=1.0, ge=0.01, le=100)
-    mesh: str | None = Field(default=None, min_length=1, max_length=1000)
+    mesh: str | None = Field(default=None, max_length=1000)
     mesh_unit: Length = 1.0
     element: one_of(ELEMENTS) = "one-point"  # pyright: ignore[reportInvalidTypeForm]
     hourglass: HourglassInput = HourglassInput()
@@ -54,6 +55,8 @@ class FEMInput(MethodInput):
 
     def completed(self, rod: Rod, impact: Impact) -> Self:
         """Return the table with the hourglass coefficient spelt out."""
+        if self.element not in CONTROLLED:
+            return self
         control = self.hourglass.model_copy(update={"coefficient": self.hourglass.build().coefficient})
         return self.model_copy(update={"hourglass": control})
 
@@ -97,6 +100,30 @@ def size_or_mesh(size: float | None, mesh: str | None) -> str | None:
     return None
 
 
+@rule("method.mesh")
+def mesh_is_a_file(mesh: str | None) -> str | None:
+    return None if mesh is None else unreadable(Path(mesh))
+
+
+@rule("method.grading", "method.mesh")
+def grading_of_the_rod_s_own_mesh(grading: float, mesh: str | None) -> str | None:
+    return (
+        f"{grading:g} has no effect on method.mesh, whose elements are as they are" if mesh and grading != 1 else None
+    )
+
+
+@rule("method.mesh_unit", "method.mesh")
+def unit_of_a_mesh(unit: float, mesh: str | None) -> str | None:
+    return f"{unit:g} mm has no effect without method.mesh" if mesh is None and unit != 1.0 else None
+
+
+@rule("method.size", "method.grading", "rod.radius")
+def uppermost_layer_within_radius(size: float | None, grading: float, radius: float) -> str | None:
+    if size is None or size > radius or size * grading <= radius:
+        return None
+    return f"{size:g} mm, graded by {grading:g}, makes layers thicker than rod.radius, {radius:g} mm"
+
+
 @rule("method.size", "rod.radius")
 def size_within_radius(size: float | None, radius: float) -> str | None:
     if size is None or size <= radius:
@@ -122,6 +149,13 @@ def elements_within_memory(size: float | None, grading: float, radius: float, le
     return (
         f"{size:g} mm gives {elements:.1e} elements, about {needed:.3g} GiB; there are {there:.3g}: take a larger one"
     )
+
+
+@rule("method.hourglass.coefficient", "method.element")
+def control_of_what_has_modes(coefficient: float | None, element: str) -> str | None:
+    if coefficient is None or element in CONTROLLED:
+        return None
+    return f'{coefficient:g} has no effect: element "{element}" has no hourglass modes'
 
 
 @rule("method.hourglass.coefficient", "method.hourglass.form", "method.safety")

@@ -1,8 +1,8 @@
 """A mesh of hexahedra: its elements in slabs that threads share, its volumes and its quality.
 
-Elements are visited slab by slab. A slab is ``LEVELS`` levels of neighbours, counted from the lowest nodes up, so that
-slabs of one colour (even, odd) share no node: threads add to nodes without atomics, and every node sums its elements in
-the same order, whatever the thread count.
+Elements are visited slab by slab. A slab is a level of neighbours, counted from the lowest nodes up; a node touches two
+levels at most, so that slabs of one colour (even, odd) share no node: threads add to nodes without atomics, and every
+node sums its elements in the same order, whatever the thread count.
 """
 
 from typing import NamedTuple
@@ -15,7 +15,6 @@ from viscopoint.arrays import Array, Indices
 from viscopoint.fem.hexahedron import ETA, GAUSS, XI, ZETA, modes, stable_length, volume, volume_gradient
 from viscopoint.jit import kernel
 
-LEVELS = 2  # a node touches at most two levels, so that slabs of two do not meet beyond the next one
 EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))  # seen from outside
 
@@ -49,10 +48,9 @@ def slabs(position: Array, corner: Indices) -> Slabs:
         level[found] = deepest
         reached[corner[found]] = True
         deepest += 1
-    slab = level // LEVELS
     return Slabs(
         np.argsort(level, kind="stable").astype(np.uint64),
-        np.concatenate([[0], np.cumsum(np.bincount(slab))]).astype(np.int64),
+        np.concatenate([[0], np.cumsum(np.bincount(level))]).astype(np.int64),
     )
 
 

@@ -7,14 +7,15 @@ from numpy.typing import NDArray
 
 from viscopoint.arrays import Array, Rows
 from viscopoint.body import Body
+from viscopoint.errors import InputError
 from viscopoint.fem.elements import Element, Limits
-from viscopoint.fem.mesh import point_volumes, scaled_jacobians, slabs, stable_lengths
-from viscopoint.fem.motion import TALLY, arrive, set_off
+from viscopoint.fem.mesh import point_volumes, scaled_jacobians, slabs
+from viscopoint.fem.motion import arrive, set_off
 from viscopoint.fem.state import CHUNKS, Elements, Nodes, elements_at_rest, nodes_at_rest, sum_elements, sum_nodes
 from viscopoint.laws import Law, step_factors
 from viscopoint.method import Advice, Field, Totals, history_fields, von_mises_of
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.viscosity import BulkViscosity, signal_speed
+from viscopoint.wall import TALLY, RigidWall, Symmetry
 
 ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane of symmetry stand on it
 NO_WALL = RigidWall(-np.inf, 0.0)
@@ -27,7 +28,7 @@ class Discretisation:
     element: Element  # of ``fem.elements``
     safety: float  # share of the critical step to take
     viscosity: BulkViscosity
-    delete_below: float = 0.0  # share of the least thickness at the start below which elements are deleted; 0: none is
+    delete_below: float = 0.0  # share of the first stable step below which elements are deleted; 0: none is
 
 
 class FiniteElementMethod:
@@ -63,16 +64,38 @@ class FiniteElementMethod:
         self.wall = NO_WALL
         for boundary in boundaries:
             self._stand_between(boundary)
-        self.nodes.velocity[:] = velocity
         count = len(self.slabs.start) - 1
-        smallest = float(stable_lengths(body.position, body.cells).min())
-        fastest = float(np.linalg.norm(self.nodes.velocity, axis=1).max())
-        self.limits = Limits(
-            critical=np.full(count, smallest / (self.sound + fastest)),
-            weakest=np.full(count, -1),
-            delete_below=choices.delete_below * smallest / self.sound or -1.0,
-        )
+        self.limits = Limits(np.full(count, np.inf), np.full(count, -1), -1.0)
+        self._find_first_step(choices.delete_below)
+        self.nodes.velocity[:] = velocity
+        self._allow_for_impact()
         self.tally = np.zeros(TALLY)  # of wall and planes of symmetry, since the start
+
+    def _find_first_step(self, share: float) -> None:
+        """Let elements at rest say how long a step they allow; some share of it is where they are deleted."""
+        viscosity, self.viscosity = self.viscosity, BulkViscosity(0.0, 0.0)
+        blank = self.elements
+        self.elements = Elements(**{name: np.array(values) for name, values in blank._asdict().items()})
+        self._answer(1.0)
+        self.elements, self.viscosity = blank, viscosity
+        self.nodes.force[:] = 0.0  # rounding
+        self.limits.weakest[:] = -1
+        if share > 0.0:
+            self.limits = self.limits._replace(delete_below=share * float(self.limits.critical.min()))
+
+    def _allow_for_impact(self) -> None:
+        """Shorten the first step by what bulk viscosity and flight may do in it."""
+        fastest = float(np.linalg.norm(self.nodes.velocity, axis=1).max())
+        linear, quadratic = self.viscosity
+        damping = np.sqrt(3.0) * (linear * self.sound + quadratic * fastest)  # of a cube that is struck
+        self.limits.critical[:] *= self.sound / (signal_speed(self.sound, damping) + fastest)
+
+    def _answer(self, dt: float) -> None:
+        factors = step_factors(self.law, dt)
+        self.element.answer(
+            self.nodes, self.elements, self.slabs, self.limits, self.law, factors, self.blank, self.sound,
+            self.viscosity, dt,
+        )  # fmt: skip
 
     def _stand_between(self, boundary: RigidWall | Symmetry) -> None:
         if isinstance(boundary, RigidWall):
@@ -80,6 +103,10 @@ class FiniteElementMethod:
             return
         place = self.body.position[:, boundary.axis]
         on = np.abs(place - boundary.position) <= ON_PLANE * np.ptp(self.body.position, axis=0).max()
+        if not on.any():
+            raise InputError(
+                f"no node stands on the plane of symmetry {'xyz'[boundary.axis]} = {boundary.position:g} mm"
+            )
         self.nodes.fixed[on] |= np.uint8(1 << boundary.axis)
 
     def stable_step(self) -> float:
@@ -88,11 +115,8 @@ class FiniteElementMethod:
     def advance(self, dt: float) -> None:
         """One step of velocity Verlet (central differences)."""
         nodes, tally = self.nodes, np.zeros((CHUNKS, TALLY))
-        factors = step_factors(self.law, dt)
         set_off(nodes, self.wall, dt, tally)  # v += f/m dt/2, wall, x += v dt
-        self.element.answer(  # F, sigma, f
-            nodes, self.elements, self.slabs, self.limits, self.law, factors, self.blank, self.sound, self.viscosity, dt
-        )
+        self._answer(dt)  # G, J, sigma, f
         arrive(nodes, self.wall, dt, tally)  # v += f/m dt/2, wall
         self.tally += tally.sum(axis=0)
 
@@ -119,8 +143,8 @@ class FiniteElementMethod:
             viscous=viscous,
             hourglass=hourglass,
             eroded=eroded,
-            contact=-float(self.tally[3]),
-            friction=-float(self.tally[4]),
+            contact=0.0 - float(self.tally[3]),
+            friction=0.0 - float(self.tally[4]),
             momentum=np.array(momentum),
             impulse=self.tally[:3].copy(),
             mass=float(mass),

@@ -15,8 +15,6 @@ from viscopoint.fem.state import CHUNKS, Nodes
 from viscopoint.jit import inline, kernel
 from viscopoint.wall import RigidWall, held
 
-TALLY = 5  # impulse x, y, z [N ms]; work of the normal and of the tangential impulse [mJ]
-
 
 @kernel
 def set_off(nodes: Nodes, wall: RigidWall, dt: float, tally: Array) -> None:
@@ -48,7 +46,8 @@ def kick(nodes: Nodes, n: Any, time: float, wall: RigidWall, least: float, tally
     """Give a node the impulse of its force, of what holds it and of the wall, which leaves it v_z >= ``least``.
 
     Returns whether the wall acted. Works are taken with the mean of the velocities before and after all impulses, as
-    the forces' own are: what stays on the wall costs nothing, and what is held only what it had at the start.
+    the forces' own are: what stays on the wall costs nothing, and what is held only what it had at the start. Of a
+    node that the wall stops, the normal work takes in what its force did to it in that half step.
     """
     m, fixed = nodes.mass[n], nodes.fixed[n]
     x0, y0, z0 = nodes.velocity[n, 0], nodes.velocity[n, 1], nodes.velocity[n, 2]

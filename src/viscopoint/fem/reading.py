@@ -16,7 +16,8 @@ import numpy as np
 from viscopoint.arrays import Array, Indices, Rows
 from viscopoint.body import Body, Surface
 from viscopoint.errors import InputError
-from viscopoint.fem.mesh import node_volumes, scaled_jacobians
+from viscopoint.fem.mesh import node_volumes, point_volumes, scaled_jacobians
+from viscopoint.folder import is_file
 
 PROGRAM = Path(__file__).with_name("vtk_program.py")
 FORMATS = (".vtu", ".vtk", ".vtkhdf", ".hdf", ".exo", ".e", ".ex2", ".cgns")
@@ -24,6 +25,7 @@ HEXAHEDRON, VOXEL = 12, 11  # VTK's cell types
 FLAT = 9  # cell types up to this one have no volume: vertices, lines, triangles, quadrilaterals, pixels
 SOUND = 1e-6  # a scaled Jacobian below this is none
 SAME = 1e-3  # relative: how well a mesh must agree with the [rod] table
+FULL = 0.02  # how much less volume than the prism over its mantle's nodes a mesh may have
 ON_SURFACE = 1e-3  # of the radius: nodes this close to the mantle show it
 LEVEL = 1e-6  # of the length: nodes this close in height are one layer
 
@@ -40,6 +42,8 @@ def read_rod(path: Path, unit: float, radius: float, length: float) -> Body:
     _check_cells(position, cells, path)
     _check_rod(position, radius, length, path)
     _check_shapes(position, cells, path)
+    _check_volume(position, cells, path)
+    position[abs(position[:, 2]) <= LEVEL * length, 2] = 0.0  # exactly, or the wall would move or miss them
     return Body(position, node_volumes(position, cells), rod_surface(position), cells)
 
 
@@ -64,50 +68,51 @@ def rod_surface(position: Array) -> Surface:
 
 def _read(path: Path) -> dict[str, Rows]:
     """Return what ``vtk_program`` finds in the file."""
-    if not _is_file(path):
-        raise InputError(f"mesh file {path}: is not there")
-    if path.suffix.lower() not in FORMATS:
-        raise InputError(f"mesh file {path}: unknown format '{path.suffix}'; allowed: {', '.join(FORMATS)}")
+    if wrong := unreadable(path):
+        raise InputError(f"method.mesh: {wrong}")
     if importlib.util.find_spec("pyvista") is None:
-        raise InputError(f"mesh file {path}: reading it takes PyVista; pip install 'viscopoint[mesh]'")
+        raise InputError(f"method.mesh: {path}: reading it takes PyVista; pip install 'viscopoint[mesh]'")
     with TemporaryDirectory(prefix="viscopoint-") as folder:
         found = Path(folder, "mesh.npz")
         command = [sys.executable, "-P", str(PROGRAM), str(path.absolute()), str(found)]
         ended = subprocess.run(command, capture_output=True, check=False)
         if ended.returncode:
-            raise InputError(f"mesh file {path}: cannot be read; is it whole, and of the format that its name says?")
+            raise InputError(f"method.mesh: {path}: cannot be read; is it whole, and of the format that its name says?")
         with np.load(found) as arrays:
             return dict(arrays)
 
 
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:  # such as a name too long
-        return False
+def unreadable(path: Path) -> str | None:
+    """Say what is wrong with a file before it is opened."""
+    if not is_file(path):
+        return f"{path}: there is no such file"
+    if path.suffix.lower() not in FORMATS:
+        return f"{path}: unknown format '{path.suffix}'; allowed: {', '.join(FORMATS)}"
+    return None
 
 
 def _check_kinds(kinds: Rows, names: Rows, path: Path) -> None:
     others = names[(kinds > FLAT) & (kinds != HEXAHEDRON) & (kinds != VOXEL)]
     if len(others):
         raise InputError(
-            f"mesh file {path}: holds elements of type {', '.join(others)}; only hexahedra of eight nodes are supported"
+            f"method.mesh: {path}: holds elements of type {', '.join(others)}; only hexahedra of eight nodes are "
+            "supported"
         )
 
 
 def _check_cells(position: Array, cells: Indices, path: Path) -> None:
     if not len(cells):
-        raise InputError(f"mesh file {path}: holds no hexahedra that can be read")
+        raise InputError(f"method.mesh: {path}: holds no hexahedra that can be read")
     if cells.min() < 0 or cells.max() >= len(position):
-        raise InputError(f"mesh file {path}: elements have nodes beyond the {len(position)} that there are")
+        raise InputError(f"method.mesh: {path}: elements have nodes beyond the {len(position)} that there are")
     if not np.isfinite(position).all():
-        raise InputError(f"mesh file {path}: coordinates are not all finite")
+        raise InputError(f"method.mesh: {path}: coordinates are not all finite")
     alone = len(position) - len(np.unique(cells))
     if alone:
-        raise InputError(f"mesh file {path}: {alone} of {len(position)} nodes belong to no hexahedron; remove them")
+        raise InputError(f"method.mesh: {path}: {alone} of {len(position)} nodes belong to no hexahedron; remove them")
     pieces = _pieces(len(position), cells)
     if pieces > 1:
-        raise InputError(f"mesh file {path}: {pieces} pieces that share no node; merge the nodes at the same place")
+        raise InputError(f"method.mesh: {path}: {pieces} pieces that share no node; merge the nodes at the same place")
 
 
 def _check_shapes(position: Array, cells: Indices, path: Path) -> None:
@@ -117,8 +122,24 @@ def _check_shapes(position: Array, cells: Indices, path: Path) -> None:
         worst = int(shape.argmin())
         x, y, z = position[cells[worst]].mean(axis=0)
         raise InputError(
-            f"mesh file {path}: {len(bad)} of {len(cells)} elements are inverted or degenerate; the worst is element "
-            f"{worst} at ({x:.4g}, {y:.4g}, {z:.4g}) mm with a scaled Jacobian of {shape[worst]:.3g}"
+            f"method.mesh: {path}: {len(bad)} of {len(cells)} elements are inverted or degenerate; the worst is "
+            f"element {worst} at ({x:.4g}, {y:.4g}, {z:.4g}) mm with a scaled Jacobian of {shape[worst]:.3g}"
+        )
+
+
+def _check_volume(position: Array, cells: Indices, path: Path) -> None:
+    """Compare with the prism that the mantle's nodes span: a tube, a cone or a doubled element is no rod."""
+    twice = len(cells) - len(np.unique(np.sort(cells, axis=1), axis=0))
+    if twice:
+        raise InputError(f"method.mesh: {path}: {twice} elements stand in the place of others; remove them")
+    around = rod_surface(position).ring
+    corners = max(3, int(np.median((around >= 0).sum(axis=1))))
+    radius, length = np.hypot(position[:, 0], position[:, 1]).max(), np.ptp(position[:, 2])
+    circle, prism = np.pi * radius**2 * length, corners / 2 * np.sin(2 * np.pi / corners) * radius**2 * length
+    found = float(point_volumes(position, cells).sum())
+    if not (1.0 - FULL) * prism <= found <= (1.0 + SAME) ** 3 * circle:
+        raise InputError(
+            f"method.mesh: {path}: fills {found:.6g} mm^3, but a rod of this length and radius has {circle:.6g} mm^3"
         )
 
 
@@ -138,9 +159,9 @@ def _pieces(count: int, cells: Indices) -> int:
 def _check_rod(position: Array, radius: float, length: float, path: Path) -> None:
     foot, tail = position[:, 2].min(), position[:, 2].max()
     widest = np.hypot(position[:, 0], position[:, 1]).max()
-    if abs(foot) > SAME * length or abs(tail - length) > SAME * length or abs(widest - radius) > SAME * radius:
+    if abs(foot) > LEVEL * length or abs(tail - length) > SAME * length or abs(widest - radius) > SAME * radius:
         raise InputError(
-            f"mesh file {path}: reaches from z = {foot:.6g} mm to {tail:.6g} mm and {widest:.6g} mm from the z axis, "
-            f"but the rod stands on z = 0 with rod.length {length:g} mm and rod.radius {radius:g} mm; is "
+            f"method.mesh: {path}: reaches from z = {foot:.6g} mm to {tail:.6g} mm and {widest:.6g} mm from the z "
+            f"axis, but the rod stands on z = 0 with rod.length {length:g} mm and rod.radius {radius:g} mm; is "
             "method.mesh_unit right?"
         )

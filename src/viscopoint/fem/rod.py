@@ -82,8 +82,20 @@ def _division(radius: float, size: float) -> tuple[int, int]:
 
 
 def _layers(length: float, size: float, grading: float) -> int:
-    mean = (grading - 1.0) / math.log(grading) if grading != 1.0 else 1.0
-    return max(2, math.ceil(length / (size * mean) - 1e-9))
+    """Return the least number of layers of which the lowest is no thicker than ``size``."""
+    mean = (grading - 1.0) / math.log(grading) if grading != 1.0 else 1.0  # of many layers
+    count = max(2, math.ceil(length / (size * mean)) - 2)  # few have more, as both ends are whole layers
+    while count > 2 and size * _relative_length(count - 1, grading) >= length * (1.0 - 1e-9):
+        count -= 1
+    while size * _relative_length(count, grading) < length * (1.0 - 1e-9):
+        count += 1
+    return count
+
+
+def _relative_length(count: int, grading: float) -> float:
+    """Return the thickness of all layers over that of the lowest."""
+    ratio = grading ** (1.0 / (count - 1)) if count > 1 else 1.0
+    return float(count) if ratio == 1.0 else (ratio**count - 1.0) / (ratio - 1.0)
 
 
 def _quads(index: Indices) -> Indices:

@@ -39,7 +39,7 @@ class Elements(NamedTuple):
     history: Array  # [e, k, h], the law's
     dissipated: Array  # [e, k], by the law per reference volume, mJ/mm^3
     viscous_loss: Array  # [e], by the bulk viscosity, mJ
-    memory: Array  # [e, m], of the hourglass control
+    memory: Array  # [4 e, 4], forces on the hourglass modes, N, the fourth column unused; empty if there is no control
     hourglass_work: Array  # [e], taken by the hourglass control, mJ
 
 
@@ -56,8 +56,8 @@ def nodes_at_rest(position: Array, corner: Indices, density: float) -> Nodes:
     )
 
 
-def elements_at_rest(corner: Indices, volume: Array, history_size: int, memory_size: int) -> Elements:
-    """Return stress-free elements; ``volume[e, k]`` says how many points each has."""
+def elements_at_rest(corner: Indices, volume: Array, history_size: int, modes: int) -> Elements:
+    """Return stress-free elements of some hourglass modes; ``volume[e, k]`` says how many points each has."""
     count, points = volume.shape
     return Elements(
         corner=corner.astype(np.uint64),
@@ -69,7 +69,7 @@ def elements_at_rest(corner: Indices, volume: Array, history_size: int, memory_s
         history=np.zeros((count, points, history_size)),
         dissipated=np.zeros((count, points)),
         viscous_loss=np.zeros(count),
-        memory=np.zeros((count, memory_size)),
+        memory=np.zeros((count * modes, 4)),
         hourglass_work=np.zeros(count),
     )
 

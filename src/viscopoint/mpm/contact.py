@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 from viscopoint.arrays import Array
 from viscopoint.jit import serial_kernel
 from viscopoint.mpm.grid import Grid
-from viscopoint.wall import RigidWall, Symmetry, held
-
-TALLY = 5  # impulse x, y, z [N ms]; work of the normal and of the tangential impulse [mJ]
+from viscopoint.wall import TALLY, RigidWall, Symmetry, held
 
 
 def touch(boundary: RigidWall | Symmetry, grid: Grid, body_middle: tuple[float, float, float]) -> Array:

@@ -10,13 +10,13 @@ from viscopoint.arrays import Array, Rows
 from viscopoint.body import Body
 from viscopoint.laws import Law, step_factors
 from viscopoint.method import Advice, Field, Totals, history_fields, von_mises_of
-from viscopoint.mpm.contact import TALLY, touch
+from viscopoint.mpm.contact import touch
 from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, forget_force, forget_momentum, lattice
 from viscopoint.mpm.points import Points, at_rest
 from viscopoint.mpm.schemes import Scheme
 from viscopoint.mpm.stress import sum_points, update_points
 from viscopoint.viscosity import BulkViscosity, signal_speed
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.wall import TALLY, RigidWall, Symmetry
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,8 @@ class MaterialPointMethod:
             *(float(energy) for energy in sums[:4]),
             hourglass=0.0,
             eroded=0.0,
-            contact=-float(self.tally[3]),
-            friction=-float(self.tally[4]),
+            contact=0.0 - float(self.tally[3]),
+            friction=0.0 - float(self.tally[4]),
             momentum=sums[5:8],
             impulse=self.tally[:3].copy(),
             mass=float(sums[4]),

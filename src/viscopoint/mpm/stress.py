@@ -14,7 +14,7 @@ from viscopoint.mpm.points import Points
 from viscopoint.mpm.transfers import around, gradient
 from viscopoint.rows import load, store
 from viscopoint.tensors import read, trace, write
-from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
+from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_pressure
 
 
 @kernel
@@ -34,7 +34,7 @@ def update_points(
     ``factors`` are the law's for this step, ``blank`` is as long as its history and ``sound`` the wave speed at J = 1
     [mm/ms].
     """
-    jacobian, viscous_pressure, critical = points.jacobian, points.viscous_pressure, grid.critical
+    jacobian, viscous, critical = points.jacobian, points.viscous_pressure, grid.critical
     dissipated, viscous_loss = points.dissipated, points.viscous_loss
     scale, per_dt = dt * grid.per_cell, 1.0 / dt
     for slab in prange(len(grid.start) - 2):
@@ -52,11 +52,11 @@ def update_points(
             store(points.history[p], history)
             dissipated[p] += after * loss
             # the pressure that pushed the nodes since the stress was last updated
-            viscous_loss[p] -= before * viscous_pressure[p] * trace(strain)
+            viscous_loss[p] -= before * viscous[p] * trace(strain)
             rate = trace(strain) * per_dt
             here = sound * math.sqrt(after)
-            damping = viscous_speed(viscosity, grid.cell, here, rate)
-            viscous_pressure[p] = law.density / after * grid.cell * abs(rate) * damping
+            pressure, damping = viscous_pressure(viscosity, law.density / after, grid.cell, here, rate)
+            viscous[p] = pressure
             v = points.velocity[p]
             speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
             fastest = max(fastest, signal_speed(here, damping) + speed)

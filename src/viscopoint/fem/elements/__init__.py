@@ -40,7 +40,7 @@ class Element(Protocol):
 
     @property
     def memory(self) -> int:
-        """Number of values that it keeps beside stress and history."""
+        """Number of hourglass modes whose forces it remembers."""
         ...
 
     def answer(

@@ -19,7 +19,7 @@ from viscopoint.fem.hexahedron import (
     volume,
     volume_gradient,
 )
-from viscopoint.fem.hourglass import resist
+from viscopoint.fem.hourglass import recalled, remember, resist
 from viscopoint.fem.mesh import Slabs
 from viscopoint.fem.state import Elements, Nodes
 from viscopoint.jit import inline, kernel
@@ -27,7 +27,7 @@ from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, update_stress
 from viscopoint.rows import load, store
 from viscopoint.tensors import Columns, Sym, applied, matrix, read, spherical, sym_columns, trace, write
-from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
+from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
 
 
 @offer("one-point")
@@ -46,26 +46,23 @@ class OnePoint(NamedTuple):
 
     @property
     def memory(self) -> int:
-        return self.hourglass.memory
+        return 4
 
     def answer(
         self, nodes: Nodes, elements: Elements, slabs: Slabs, limits: Limits, law: Any, factors: Any, blank: History,
         sound: float, viscosity: BulkViscosity, dt: float,
     ) -> None:  # fmt: skip
         """Take the nodes' motion over the step to stresses, and add the elements' forces to the nodes."""
-        kept = (0.0,) * self.memory
-        strain_one_point(
-            nodes, elements, slabs, limits, law, factors, blank, self.hourglass, kept, sound, viscosity, dt
-        )
+        strain_one_point(nodes, elements, slabs, limits, law, factors, blank, self.hourglass, sound, viscosity, dt)
 
 
 @kernel
 def strain_one_point(
     nodes: Nodes, elements: Elements, slabs: Slabs, limits: Limits, law: Any, factors: Any, blank: History,
-    hourglass: Any, kept: tuple[float, ...], sound: float, viscosity: BulkViscosity, dt: float,
+    hourglass: Any, sound: float, viscosity: BulkViscosity, dt: float,
 ) -> None:  # fmt: skip
     """Update J, σ, bulk viscosity and hourglass forces of each element; spread its forces to its corners."""
-    alive, jacobian, viscous_pressure = elements.alive, elements.jacobian, elements.viscous_pressure
+    alive, jacobian, viscous = elements.alive, elements.jacobian, elements.viscous_pressure
     dissipated, viscous_loss, hourglass_work = elements.dissipated, elements.viscous_loss, elements.hourglass_work
     critical, weakest = limits.critical, limits.weakest
     count = len(slabs.start) - 1
@@ -102,24 +99,24 @@ def strain_one_point(
 
                 length, here = smallest_length(reach, now), sound * math.sqrt(after)
                 rate = trace(strain) / dt
-                damping = viscous_speed(viscosity, length, here, rate)
-                pressure = law.density / after * length * abs(rate) * damping
+                pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, rate)
                 swept = elements.volume[e, 0] * trace(strain)
-                viscous_loss[e] -= 0.5 * swept * (before * viscous_pressure[e] + after * pressure)
-                viscous_pressure[e] = pressure
+                viscous_loss[e] -= 0.5 * swept * (before * viscous[e] + after * pressure)
+                viscous[e] = pressure
 
-                force, memory, work = resist(
-                    hourglass, load(elements.memory[e], kept), unexplained(flow, dt, gradient, middle), turn, dt,
-                    law.density * elements.volume[e, 0], here, length,
-                )  # fmt: skip
-                store(elements.memory[e], memory)
+                slip = unexplained(flow, dt, gradient, middle)
+                earlier = recalled(elements.memory, e)
+                force, work = resist(
+                    hourglass, earlier, slip, turn, dt, law.density * elements.volume[e, 0], here, length
+                )
+                remember(elements.memory, e, force)
                 hourglass_work[e] += work
 
                 stable = stable_length(reach, now)
                 if stable / here < limits.delete_below:
                     alive[e] = 0
                     continue
-                step = stable / signal_speed(here, damping)
+                step = longest_step(viscosity, stable, length, here, damping)
                 if step < least:
                     least, where = step, e
                 spread(nodes.force, corner, nodal(stress - spherical(pressure), force, place, reach, now))

@@ -18,9 +18,11 @@ from viscopoint.fem.hexahedron import (
     mean_gradient,
     modes,
     moved,
+    no_modes,
     slopes,
     smallest_length,
     spread,
+    stable_length,
     volume,
     volume_gradient,
 )
@@ -31,7 +33,7 @@ from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, update_stress
 from viscopoint.rows import load, store
 from viscopoint.tensors import deviator, dot, matrix, read, spherical, sym_columns, trace, write
-from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_speed
+from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
 
 
 @offer("selective")
@@ -64,7 +66,7 @@ def strain_selective(
     sound: float, viscosity: BulkViscosity, dt: float,
 ) -> None:  # fmt: skip
     """Update J and bulk viscosity of each element, σ of its points; spread its forces to its corners."""
-    alive, jacobian, viscous_pressure = elements.alive, elements.jacobian, elements.viscous_pressure
+    alive, jacobian, viscous = elements.alive, elements.jacobian, elements.viscous_pressure
     dissipated, viscous_loss = elements.dissipated, elements.viscous_loss
     critical, weakest = limits.critical, limits.weakest
     count = len(slabs.start) - 1
@@ -87,13 +89,13 @@ def strain_selective(
                 before, after = jacobian[e], now / reference
                 stretch = mean_gradient(flow, half, dt / volume(middle, half))
                 swelling = stretch.x.x + stretch.y.y + stretch.z.z
-                on, mean, sharpest, whole = moved(place, -1.0, place), 0.0, 0.0, now > 0.0
+                on, mean, sharpest, whole = no_modes(), 0.0, 0.0, now > 0.0
                 for k in range(8):
                     xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
                     mid_faces, mid_det = areas(slopes(middle, xi, eta, zeta))
                     faces, det = areas(slopes(place, xi, eta, zeta))
                     whole = whole and det > 0.0 and mid_det > 0.0
-                    if not whole:  # turned inside out
+                    if not whole:  # turned inside out; what the points before have taken stays in the account
                         break
                     gradient = local_gradient(slopes(flow, xi, eta, zeta), mid_faces, dt / mid_det)
                     strain, turn = strain_and_turn(matrix(gradient))
@@ -109,7 +111,7 @@ def strain_selective(
                     pull = -0.125 * deviator(stress)
                     on = gathered(on, sym_columns(pull), faces, xi, eta, zeta)
                     area = dot(faces.xi, faces.xi) + dot(faces.eta, faces.eta) + dot(faces.zeta, faces.zeta)
-                    sharpest = max(sharpest, area / (det * det))
+                    sharpest = max(sharpest, area / det)
                 if not whole:
                     alive[e] = limits.delete_below < 0.0
                     if alive[e] and least > 0.0:
@@ -117,15 +119,15 @@ def strain_selective(
                     continue
                 jacobian[e] = after
                 length, here = smallest_length(reach, now), sound * math.sqrt(after)
-                damping = viscous_speed(viscosity, length, here, swelling / dt)
-                pressure = law.density / after * length * abs(swelling / dt) * damping
-                viscous_loss[e] -= 0.5 * reference * swelling * (before * viscous_pressure[e] + after * pressure)
-                viscous_pressure[e] = pressure
-                stable = 2.0 / math.sqrt(sharpest)
+                pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, swelling / dt)
+                viscous_loss[e] -= 0.5 * reference * swelling * (before * viscous[e] + after * pressure)
+                viscous[e] = pressure
+                # shear at eight points: 2G Σ det |ε|² <= 2G · 8 max(area/det) of the modes' squares (see stable_length)
+                stable = min(stable_length(reach, now), 2.0 * math.sqrt(now / (8.0 * sharpest)))
                 if stable / here < limits.delete_below:
                     alive[e] = 0
                     continue
-                step = stable / signal_speed(here, damping)
+                step = longest_step(viscosity, stable, length, here, damping)
                 if step < least:
                     least, where = step, e
                 mean = -0.125 * (mean / now - pressure)

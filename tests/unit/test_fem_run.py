@@ -106,10 +106,6 @@ def test_the_command_line_chooses_the_method_and_names_the_folder_by_it(
             "method.size: 0.38 mm, graded by 100, makes layers thicker",
         ),
         (["--method", "fem", "--set", "method.mesh_unit=1 m"], "1000 mm has no effect without method.mesh"),
-        (
-            ["--method", "fem", "--set", "method.element=selective", "--set", "method.hourglass.coefficient=0.05"],
-            "has no hourglass modes",
-        ),
         (["--set", "impact.wall=symmetry"], 'impact.wall: "symmetry" holds the foot from the start'),
     ],
 )

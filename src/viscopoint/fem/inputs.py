@@ -22,7 +22,7 @@ BYTES_PER_ELEMENT = 1500  # of eight points, with nodes and one snapshot being w
 
 
 class HourglassInput(Table):
-    """Control of the one-point element's hourglass modes (Flanagan & Belytschko 1981)."""
+    """Control of the one-point element's hourglass modes (Flanagan & Belytschko 1981); others have none to control."""
 
     form: one_of(HOURGLASS) = "stiffness"  # pyright: ignore[reportInvalidTypeForm]
     coefficient: float | None = Field(default=None, ge=0, le=1)
@@ -151,16 +151,9 @@ def elements_within_memory(size: float | None, grading: float, radius: float, le
     )
 
 
-@rule("method.hourglass.coefficient", "method.element")
-def control_of_what_has_modes(coefficient: float | None, element: str) -> str | None:
-    if coefficient is None or element in CONTROLLED:
-        return None
-    return f'{coefficient:g} has no effect: element "{element}" has no hourglass modes'
-
-
-@rule("method.hourglass.coefficient", "method.hourglass.form", "method.safety")
-def damper_is_stable(coefficient: float | None, form: str, safety: float) -> str | None:
+@rule("method.hourglass.coefficient", "method.hourglass.form", "method.safety", "method.element")
+def damper_is_stable(coefficient: float | None, form: str, safety: float, element: str) -> str | None:
     most = 0.125 / safety  # 16 coefficient c/l times the step, safety l/c, must not pass 2
-    if form != "viscous" or coefficient is None or coefficient <= most:
+    if element not in CONTROLLED or form != "viscous" or coefficient is None or coefficient <= most:
         return None
     return f"{coefficient:g} is unstable at method.safety {safety:g}: the viscous form takes at most {most:.3g}"

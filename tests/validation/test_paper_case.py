@@ -7,8 +7,8 @@ import viscopoint as vp
 
 @pytest.fixture(scope="module")
 def runs() -> dict[str, vp.Run]:
-    """The four packaged cases."""
-    return {name: vp.run(vp.Case.load(name), figures=False) for name in vp.packaged()}
+    """The paper's four packaged cases."""
+    return {name: vp.run(vp.Case.load(name), figures=False) for name in vp.packaged() if name.startswith("paper")}
 
 
 def last(run: vp.Run) -> dict[str, float]:

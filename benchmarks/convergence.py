@@ -1,7 +1,7 @@
 """Refines the finite element mesh and extrapolates: the tables of docs/fem.md.
 
     python benchmarks/convergence.py paper    # four materials, two elements, three sizes: a quarter of an hour
-    python benchmarks/convergence.py copper   # the published bar, two elements, three sizes: an hour
+    python benchmarks/convergence.py copper   # the published bar, two elements, three sizes: a quarter of an hour
 
 Runs go to runs/convergence and are used again when they are complete. With sizes h1 > h2 > h3 of one ratio r, the
 observed order is p = log((f1 - f2) / (f2 - f3)) / log r and the limit f3 + (f3 - f2) / (r^p - 1) (Richardson). Where
@@ -23,7 +23,10 @@ FOLDER = Path("runs", "convergence")
 ELEMENTS = ("one-point", "selective")
 PAPER = ("paper-6.5", "paper-65", "paper", "paper-elastic")
 PAPER_SIZES = (0.76, 0.38, 0.19)  # mm; 5, 10, 20 elements to the radius
-COPPER_SIZES = (0.64, 0.32, 0.64 / 3)  # mm; 5, 10, 15
+COPPER_SIZES = {  # mm; 5, 10, 15 and 5, 7.5, 10 elements to the radius: eight points cost five times as much
+    "one-point": (0.64, 0.32, 0.64 / 3),
+    "selective": (0.64, 1.28 / 3, 0.32),
+}
 TIMES = {"time.end": "120 us", "time.snapshots": ["5 us", "10 us", "20 us", "60 us"]}
 
 
@@ -50,7 +53,7 @@ def limit(values: list[float], sizes: tuple[float, ...]) -> Limit:
     first, second, third = values
     coarse, fine = second - first, third - second
     ratio = sizes[1] / sizes[2]
-    if not math.isclose(sizes[0] / sizes[1], ratio, rel_tol=0.05):  # 5, 10, 15: order 1 is what such bars show
+    if not math.isclose(sizes[0] / sizes[1], ratio, rel_tol=0.05):  # order 1 is what such bars show
         step = fine / (ratio - 1.0)
         return Limit(third + step, abs(step), math.nan)
     order = math.log(coarse / fine) / math.log(ratio) if coarse * fine > 0.0 else math.nan
@@ -140,7 +143,7 @@ def limits(runs: dict[tuple[str, str, float], vp.Run]) -> None:
 def copper() -> None:
     """Print length and foot radius of the copper bar and their limits."""
     head = "element,size,length,foot radius,steps,hourglass %,ledger worst %"
-    runs = {(el, h): finished("copper", el, h, {}) for h in COPPER_SIZES for el in ELEMENTS}
+    runs = {(el, h): finished("copper", el, h, {}) for el in ELEMENTS for h in COPPER_SIZES[el]}
     rows = []
     for (element, size), run in runs.items():
         end: Row = run.rows[-1]
@@ -152,8 +155,9 @@ def copper() -> None:
     table(head.split(","), rows)
     for element in ELEMENTS:
         for name in ("length", "foot_radius"):
-            values = [float(getattr(runs[element, h].rows[-1], name)) for h in COPPER_SIZES]
-            found = limit(values, COPPER_SIZES)
+            sizes = COPPER_SIZES[element]
+            values = [float(getattr(runs[element, h].rows[-1], name)) for h in sizes]
+            found = limit(values, sizes)
             print(f"{element} {name}: {found.value:.4f} ± {found.uncertainty:.4f} mm")
 
 

@@ -23,7 +23,7 @@ FOLDER = Path("runs", "convergence")
 ELEMENTS = ("one-point", "selective")
 PAPER = ("paper-6.5", "paper-65", "paper", "paper-elastic")
 PAPER_SIZES = (0.76, 0.38, 0.19)  # mm; 5, 10, 20 elements to the radius
-COPPER_SIZES = {  # mm; 5, 10, 15 and 5, 7.5, 10 elements to the radius: eight points cost five times as much
+COPPER_SIZES = {  # mm; 5, 10, 15 and 5, 7.5, 10 elements to the radius: eight points cost four times as much
     "one-point": (0.64, 0.32, 0.64 / 3),
     "selective": (0.64, 1.28 / 3, 0.32),
 }

@@ -254,7 +254,6 @@ def call(*words: str | Path) -> tuple[int, str]:
         ("vtk", GARBAGE),
         ("vtkhdf", b""),
         ("exo", GARBAGE),
-        ("cgns", b""),
     ],
 )
 def test_a_file_that_is_no_mesh_gives_one_message_without_a_word_of_vtk(

@@ -20,7 +20,7 @@ from viscopoint.fem.mesh import node_volumes, point_volumes, scaled_jacobians
 from viscopoint.folder import is_file
 
 PROGRAM = Path(__file__).with_name("vtk_program.py")
-FORMATS = (".vtu", ".vtk", ".vtkhdf", ".hdf", ".exo", ".e", ".ex2", ".cgns")
+FORMATS = (".vtu", ".vtk", ".vtkhdf", ".hdf", ".exo", ".e", ".ex2")
 HEXAHEDRON, VOXEL = 12, 11  # VTK's cell types
 FLAT = 9  # cell types up to this one have no volume: vertices, lines, triangles, quadrilaterals, pixels
 SOUND = 1e-6  # a scaled Jacobian below this is none

@@ -24,3 +24,12 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("runs") / "quick"
     vp.run(vp.Case.load("paper", SMALL), folder)
     return folder
+
+
+@pytest.fixture(scope="session")
+def twin(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The run folder of the quick case by finite elements."""
+    folder = tmp_path_factory.mktemp("runs") / "twin"
+    times = {key: SMALL[key] for key in ("time.end", "time.snapshots")}
+    vp.run(vp.Case.load("paper", {"method.size": "1.2 mm", **times}, method="fem"), folder, figures=False)
+    return folder

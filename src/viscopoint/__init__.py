@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from viscopoint.case import Case, packaged
+    from viscopoint.comparison import Comparison, compare
     from viscopoint.errors import CaseError, InputError, OutputError, ViscopointError
     from viscopoint.results import Run, Snapshot
     from viscopoint.running import run
@@ -24,11 +25,13 @@ os.environ.setdefault("GOMP_SPINCOUNT", "5000")
 __all__ = [
     "Case",
     "CaseError",
+    "Comparison",
     "InputError",
     "OutputError",
     "Run",
     "Snapshot",
     "ViscopointError",
+    "compare",
     "packaged",
     "run",
 ]
@@ -37,6 +40,8 @@ _HOME = {
     "Case": "case",
     "packaged": "case",
     "CaseError": "errors",
+    "Comparison": "comparison",
+    "compare": "comparison",
     "InputError": "errors",
     "OutputError": "errors",
     "ViscopointError": "errors",

@@ -87,6 +87,32 @@ def show(run: RunFolder) -> None:
 
 
 @app.command()
+def compare(
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN RUN...", help="Run folders; the first is the reference.")],
+    out: Annotated[Path, typer.Option(help="The folder to make for comparison.json and figures.")] = Path("comparison"),
+    force: Annotated[bool, typer.Option("--force", help="Replace an earlier comparison.")] = False,
+    any_physics: Annotated[
+        bool, typer.Option("--any-physics", help="Compare even runs of different rods, impacts or materials.")
+    ] = False,
+    figures: Annotated[bool, typer.Option(help="Draw the figures.")] = True,
+) -> None:
+    """Compare runs of the same impact: shapes, velocities, forces, energies."""
+    with _messages():
+        from viscopoint import comparison
+        from viscopoint.comparison.table import NOTE, tables
+
+        made = comparison.compare(runs, any_physics=any_physics)
+        comparison.write(made, out, force=force, figures=figures)
+        console = _console()
+        for table in tables(made):
+            console.print(table)
+        for run in made.runs:
+            if run.status != "complete":
+                console.print(f"INCOMPLETE: {run.folder} ({run.results.reason})", markup=False, soft_wrap=True)
+        console.print(f"{NOTE}\n{out}", markup=False)
+
+
+@app.command()
 def cases() -> None:
     """List the packaged cases."""
     with _messages():
@@ -199,9 +225,15 @@ def _progress() -> Any:
         yield watch
 
 
+def _console() -> Any:
+    """Return where results are printed: as wide as the terminal, or wide enough for any table where there is none."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else 120, highlight=False)
+
+
 def _print_summary(run: "Run") -> None:
     """Print a table of the snapshots and how the run ended."""
-    from rich.console import Console
     from rich.table import Table
 
     meshed = run.results.elements > 0
@@ -217,7 +249,7 @@ def _print_summary(run: "Run") -> None:
             f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{row.hourglass:.1f}",
             f"{ledger:+.2f}", str(row.lost),
         )  # fmt: skip
-    console = Console(width=None if sys.stdout.isatty() else 100, highlight=False)
+    console = _console()
     if run.case.title:
         console.print(run.case.title, markup=False)
     console.print(table)

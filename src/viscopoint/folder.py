@@ -1,4 +1,4 @@
-"""The run folder: made, filled while the run goes on, and completed at its end."""
+"""Folders of results: made, filled, and never half replaced."""
 
 import contextlib
 import json
@@ -8,35 +8,36 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from viscopoint.errors import InputError
+from viscopoint.errors import InputError, OutputError
 
 CASE, PROVENANCE, SUMMARY, FIGURES = "case.toml", "provenance.json", "summary.json", "figures"
 
 
-def check_free(folder: Path, force: bool, needed: Iterable[Path] = ()) -> None:
-    """Raise ``InputError`` if a run may not be put here; with ``force``, an earlier run is no hindrance.
+def check_free(folder: Path, force: bool, mark: str = PROVENANCE, needed: Iterable[Path] = ()) -> None:
+    """Raise ``InputError`` if results may not be put here; with ``force``, earlier ones are no hindrance.
 
-    Unless it holds a file that is ``needed``: it would be removed before it is read.
+    Unless something holds a file that is ``needed``: it would be removed before it is read. A folder holds earlier
+    results if it holds the file ``mark``, that of a run by default.
     """
     with _place_faults(folder):
         if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
             return
-        if not (folder / PROVENANCE).is_file():
-            raise InputError(f"output folder {folder}: already there, and no run folder; choose another place")
+        if not (folder / mark).is_file():
+            raise InputError(f"output folder {folder}: already there, and has no {mark}; choose another place")
         if not force:
             raise InputError(f"output folder {folder}: already there; --force replaces it, --out chooses another place")
         for file in needed:
             if file.resolve().is_relative_to(folder.resolve()):
-                raise InputError(f"output folder {folder}: holds {file}, which the case needs; choose another place")
+                raise InputError(f"output folder {folder}: holds {file}, which is needed; choose another place")
 
 
-def create(folder: Path, force: bool) -> None:
-    """Make an empty folder for a run; with ``force``, in place of an earlier run.
+def create(folder: Path, force: bool, mark: str = PROVENANCE, needed: Iterable[Path] = ()) -> None:
+    """Make an empty folder for results; with ``force``, in place of earlier ones (see ``check_free``).
 
     Raises:
         InputError: there is something already, or the place cannot be written.
     """
-    check_free(folder, force)
+    check_free(folder, force, mark, needed)
     with _place_faults(folder):
         if folder.exists():
             shutil.rmtree(folder)
@@ -45,12 +46,33 @@ def create(folder: Path, force: bool) -> None:
         (folder / ".try").unlink()
 
 
+def make(folder: Path, mark: str) -> None:
+    """Make a folder for results that are completed bit by bit, or take the one there if it holds the file ``mark``.
+
+    Raises:
+        InputError: there is something else already, or the place cannot be written.
+    """
+    if not (folder / mark).is_file():
+        create(folder, force=False, mark=mark)
+        write_json(folder / mark, {})
+
+
 @contextlib.contextmanager
 def _place_faults(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
         raise InputError(f"output folder {folder}: cannot be made or written ({error.strerror})") from None
+
+
+@contextlib.contextmanager
+def disk_faults(folder: Path) -> Iterator[None]:
+    """Turn a full or vanished disk into a message."""
+    try:
+        yield
+    except OSError as error:
+        wrong = error.strerror or error
+        raise OutputError(f"output folder {folder}: cannot be written ({wrong}); what is there stays") from error
 
 
 def is_file(path: Path) -> bool:

@@ -11,7 +11,6 @@ A few decorators cover every compiled function of the package:
 
 import contextlib
 import functools
-import hashlib
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -21,6 +20,8 @@ import numba
 import platformdirs
 from numba.core import config
 from numba.extending import overload, register_jitable
+
+from viscopoint.sources import digest
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -32,17 +33,12 @@ INLINED: Any = {**OPTIONS, "forceinline": True}  # tensors stay in registers
 
 @functools.cache
 def cache_folder() -> Path:
-    """Return the folder of compiled kernels, named after a hash of all sources.
+    """Return the folder of compiled kernels, named after a hash of the sources.
 
     Numba looks only at a kernel's own file to decide whether its cached code is stale; a law in another file
     would be run stale after an edit. A folder per state of the sources cannot be.
     """
-    digest = hashlib.sha256()
-    package = Path(__file__).parent
-    for source in sorted(package.rglob("*.py")):
-        digest.update(str(source.relative_to(package)).encode())
-        digest.update(source.read_bytes())
-    name = f"kernels-{digest.hexdigest()[:16]}"
+    name = f"kernels-{digest()}"
     for parent in (platformdirs.user_cache_path("viscopoint"), Path(tempfile.gettempdir(), "viscopoint")):
         with contextlib.suppress(OSError):
             (parent / name).mkdir(parents=True, exist_ok=True)

@@ -10,6 +10,8 @@ from typing import Any
 
 import numba
 
+from viscopoint.sources import digest
+
 FORMAT = 2  # of run folders; 2: hourglass and eroded energy, cells
 PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 
@@ -20,6 +22,7 @@ def provenance() -> dict[str, Any]:
         "format": FORMAT,
         "viscopoint": metadata.version("viscopoint"),
         "commit": _commit(),
+        "sources": digest(),
         "python": platform.python_version(),
         **{name: metadata.version(name) for name in PACKAGES},
         "system": f"{platform.system()} {platform.release()}",

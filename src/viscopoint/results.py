@@ -15,6 +15,7 @@ from viscopoint.case import Case
 from viscopoint.errors import InputError
 from viscopoint.folder import CASE, FIGURES, PROVENANCE, SUMMARY
 from viscopoint.gauges import profile
+from viscopoint.ledger import UNITS
 from viscopoint.method import Field
 from viscopoint.output import fields as field_file
 from viscopoint.output import history as history_file
@@ -25,6 +26,7 @@ from viscopoint.units import parse
 if TYPE_CHECKING:
     import pandas
 
+CORRUPT = (OSError, KeyError, IndexError, TypeError, ValueError, RuntimeError)  # what h5py raises on damaged files
 NEAR = 1e-6  # relative: a time given in words and a snapshot's that differ by less are the same
 
 
@@ -80,10 +82,15 @@ class Run:
         """The ledger, one line per row, columns by name; ``history.attrs["units"]`` has their units."""
         import pandas
 
-        table = pandas.read_csv(self._file(history_file.NAME))
+        try:
+            table = pandas.read_csv(self._file(history_file.NAME))
+        except (OSError, ValueError) as error:
+            raise self._unreadable(history_file.NAME, error) from None
         names = [heading.partition(" [") for heading in table.columns]
         table.columns = [name for name, _, _ in names]
         table.attrs["units"] = {name: unit.rstrip("]") for name, _, unit in names}
+        if set(UNITS) - set(table.columns) or (self.rows and not table["time"].iloc[-1] >= self.rows[-1].time):
+            raise self._unreadable(history_file.NAME, "a part of it is missing")
         return table
 
     @functools.cached_property
@@ -91,8 +98,8 @@ class Run:
         """The times of the snapshots [ms]."""
         try:
             return field_file.times(self._file(field_file.NAME))
-        except (OSError, KeyError) as error:
-            raise InputError(f"run folder {self.folder}: {field_file.NAME} cannot be read ({error})") from None
+        except CORRUPT as error:
+            raise self._unreadable(field_file.NAME, error) from None
 
     def snapshot(self, time: str | int) -> Snapshot:
         """Return the fields at a time such as "20 us", or those of a snapshot by its number (-1: the last).
@@ -101,7 +108,13 @@ class Run:
             InputError: the run has no such snapshot.
         """
         number = self._number(time) if isinstance(time, str) else self._counted(time)
-        return Snapshot(float(self.times[number]), field_file.read(self._file(field_file.NAME), number))
+        try:
+            fields = field_file.read(self._file(field_file.NAME), number)
+        except CORRUPT as error:
+            raise self._unreadable(field_file.NAME, error) from None
+        if len(fields["position"].values) != len(self.body.position):
+            raise self._unreadable(field_file.NAME, f"its points are not those of {CASE}")
+        return Snapshot(float(self.times[number]), fields)
 
     def profile(self, snapshot: Snapshot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the outline, height and radius of each layer of material from the foot up [mm]."""
@@ -141,11 +154,14 @@ class Run:
             raise InputError(f"run folder {self.folder}: has no {name}; it is not the folder of a run, or not whole")
         return path
 
+    def _unreadable(self, name: str, error: Exception | str) -> InputError:
+        return InputError(f"run folder {self.folder}: {name} cannot be read ({error})")
+
     def _json(self, name: str) -> dict[str, Any]:
         try:
             data = json.loads(self._file(name).read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise InputError(f"run folder {self.folder}: {name} cannot be read ({error})") from None
+            raise self._unreadable(name, error) from None
         if not isinstance(data, dict):
             raise InputError(f"run folder {self.folder}: {name} holds no table")
         return data

@@ -3,13 +3,12 @@
 import contextlib
 import shutil
 import weakref
-from collections.abc import Iterator
 from pathlib import Path
 from tempfile import mkdtemp
 
 from viscopoint.case import Case
-from viscopoint.errors import InputError, OutputError
-from viscopoint.folder import CASE, PROVENANCE, SUMMARY, check_free, create, write_json, write_text
+from viscopoint.errors import InputError
+from viscopoint.folder import CASE, PROVENANCE, SUMMARY, check_free, create, disk_faults, write_json, write_text
 from viscopoint.model import Model, build
 from viscopoint.output import WRITERS
 from viscopoint.provenance import now, provenance
@@ -40,12 +39,12 @@ def run(
         OutputError: the results could not be written.
     """
     if out is not None:
-        check_free(Path(out), force, case.method.files())  # before anything takes time
+        check_free(Path(out), force, needed=case.method.files())  # before anything takes time
     model = build(case)
     _bound_steps(model)
     folder = Path(mkdtemp(prefix="viscopoint-") if out is None else out)
     create(folder, force)
-    with _disk_faults(folder):
+    with disk_faults(folder):
         made = provenance()
         write_json(folder / PROVENANCE, made)
         _write_summary(folder, Summary.of_start(model.body))
@@ -78,13 +77,3 @@ def _bound_steps(model: Model) -> None:
             f"time.end: {end * 1e3:g} us at a stable step of {step * 1e3:.3g} us takes more than {MOST_STEPS:,} steps; "
             "check the units of material and method"
         )
-
-
-@contextlib.contextmanager
-def _disk_faults(folder: Path) -> Iterator[None]:
-    """Turn a full or vanished disk into a message."""
-    try:
-        yield
-    except OSError as error:
-        wrong = error.strerror or error
-        raise OutputError(f"run folder {folder}: cannot be written ({wrong}); what is there stays") from error

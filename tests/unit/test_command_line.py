@@ -90,7 +90,7 @@ def test_force_never_removes_what_is_no_run(tmp_path: Path):
     (precious / "thesis.txt").write_text("all my work")
     code, _, messages = call("run", "paper", "--out", precious, "--force", *QUICK)
     assert code == 2
-    assert "no run folder" in messages
+    assert "has no provenance.json" in messages
     assert (precious / "thesis.txt").read_text() == "all my work"
 
 

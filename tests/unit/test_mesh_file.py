@@ -137,7 +137,7 @@ def test_a_run_folder_keeps_the_mesh_and_opens_when_the_original_is_gone_and_it_
 
 def test_force_does_not_remove_the_mesh_that_the_case_needs(tmp_path: Path):
     vp.run(case_of(saved(grid_of(ROD.position, ROD.cells), tmp_path / "rod.vtu")), tmp_path / "run", figures=False)
-    with pytest.raises(vp.InputError, match=r"holds .*mesh\.vtu, which the case needs; choose another place"):
+    with pytest.raises(vp.InputError, match=r"holds .*mesh\.vtu, which is needed; choose another place"):
         vp.run(vp.Case.load(tmp_path / "run" / "case.toml"), tmp_path / "run", force=True)
     assert vp.Run(tmp_path / "run").body.cells.shape == ROD.cells.shape
 

@@ -1,0 +1,52 @@
+"""What a run says along the rod's axis."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viscopoint.arrays import Array
+from viscopoint.results import Run, Snapshot
+
+NEAR = 0.75  # spacings from the axis; on a lattice the nearest four points of a layer stand at 0.71
+SAMPLES = 400  # heights at which two profiles are compared
+
+
+def axial_velocity(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:
+    """Return height [mm] and axial velocity [m/s] of the layers' points beside the axis, from the foot up."""
+    start = run.body.position
+    beside = np.hypot(start[:, 0], start[:, 1]) < NEAR * _spacing(run)
+    _, height, speed = _by_layer(run, snapshot, beside)
+    order = np.argsort(height)
+    return height[order], speed[order]
+
+
+def layer_velocity(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:
+    """Return the height at the start [mm] and the mean axial velocity [m/s] of whole layers of the rod."""
+    start, _, speed = _by_layer(run, snapshot, np.ones(len(run.body.position), bool))
+    return start, speed
+
+
+def _by_layer(run: Run, snapshot: Snapshot, chosen: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
+    """Return heights at the start and now, and mean axial velocity, of layers of points that started level."""
+    chosen = chosen & (snapshot["lost"] == 0)
+    spacing = _spacing(run)
+    layers, layer = np.unique(np.round(run.body.position[chosen, 2] / spacing, 6), return_inverse=True)
+    weight = run.body.volume[chosen]
+    total = np.bincount(layer, weight, minlength=len(layers))
+    height = np.bincount(layer, weight * snapshot["position"][chosen, 2]) / total
+    speed = np.bincount(layer, weight * snapshot["velocity"][chosen, 2]) / total
+    return layers * spacing, height, speed
+
+
+def _spacing(run: Run) -> float:
+    return float(np.cbrt(np.median(run.body.volume)))
+
+
+def apart(one: tuple[Array, Array], other: tuple[Array, Array]) -> float:
+    """Return the root mean square difference over the heights that both profiles have; or not-a-number."""
+    if not (len(one[0]) and len(other[0])):
+        return np.nan
+    low, high = max(one[0][0], other[0][0]), min(one[0][-1], other[0][-1])
+    if not low < high:
+        return np.nan
+    places = np.linspace(low, high, SAMPLES)
+    return float(np.sqrt(np.mean((np.interp(places, *one) - np.interp(places, *other)) ** 2)))

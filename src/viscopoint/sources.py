@@ -1,0 +1,21 @@
+"""The state of the package's sources, as far as it can change a result."""
+
+import functools
+import hashlib
+from pathlib import Path
+
+# These only read run folders: neither compiled code nor results depend on them.
+READERS = ("cli.py", "figures", "comparison", "reproduction", "report")
+
+
+@functools.cache
+def digest() -> str:
+    """Return a hash of the sources that compute and write results."""
+    package = Path(__file__).parent
+    result = hashlib.sha256()
+    for source in sorted(package.rglob("*.py")):
+        place = source.relative_to(package)
+        if place.parts[0] not in READERS:
+            result.update(str(place).encode())
+            result.update(source.read_bytes())
+    return result.hexdigest()[:16]

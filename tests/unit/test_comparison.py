@@ -1,0 +1,216 @@
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import viscopoint as vp
+from viscopoint.cli import app
+from viscopoint.comparison import Comparison, axis, compare, outline, wall_force
+
+R, L = 1.5, 10.0
+
+
+def copied(run: Path, tmp_path: Path) -> Path:
+    return shutil.copytree(run, tmp_path / "copy")
+
+
+def cylinder(radius: float, length: float, foot: float = 0.0) -> np.ndarray:
+    return np.array([[0.0, foot], [radius, foot], [radius, foot + length], [0.0, foot + length]])
+
+
+def test_a_wider_cylinder_is_apart_by_its_ring():
+    found = outline.apart(cylinder(R, L), cylinder(1.1 * R, L), R * L)
+    assert found.area == pytest.approx(0.1, rel=1e-12)
+    assert found.distance == pytest.approx(0.1 * R, rel=1e-12)
+
+
+def test_a_lifted_cylinder_is_apart_by_both_ends():
+    found = outline.apart(cylinder(R, L), cylinder(R, L, foot=0.3), R * L)
+    assert found.area == pytest.approx(2 * 0.3 / L, rel=1e-12)
+    assert found.distance == pytest.approx(0.3, rel=1e-12)
+
+
+def test_a_cone_is_apart_by_a_triangle():
+    cone = np.array([[0.0, 0.0], [2 * R, 0.0], [R, L], [0.0, L]])
+    found = outline.apart(cylinder(R, L), cone, R * L)
+    assert found.area == pytest.approx(0.5, rel=1e-12)
+    assert found.distance == pytest.approx(R, rel=1e-12)  # the rim of its foot
+
+
+def test_layers_folded_over_each_other_still_enclose_an_area():
+    folded = np.array([[0.0, 0.0], [2.0, 0.0], [1.0, 2.0], [2.0, 1.0], [1.0, 3.0], [0.0, 3.0]])
+    assert np.isfinite(outline.apart(cylinder(1.0, 3.0), folded, 3.0)).all()
+
+
+def test_the_outline_at_the_start_is_the_rod(finished: Path, twin: Path):
+    for folder, length in ((finished, 36 * 0.7), (twin, 25.4)):  # a lattice of 36 layers; the rod itself
+        run = vp.Run(folder)
+        shape = outline.outline(run, run.snapshot(0))
+        assert shape[:, 0].max() == pytest.approx(3.8, rel=1e-12)
+        assert np.ptp(shape[:, 1]) == pytest.approx(length, rel=1e-12)
+        assert outline.apart(shape, cylinder(3.8, length), 3.8 * length).area < 1e-9
+
+
+def test_before_the_wave_comes_the_axis_falls_at_the_impact_speed(finished: Path, twin: Path):
+    for folder in (finished, twin):
+        run = vp.Run(folder)
+        height, speed = axis.axial_velocity(run, run.snapshot("2 us"))
+        assert np.all(np.diff(height) > 0.0)
+        fastest = np.sqrt((550 + 4 * 140 / 3) / 1e-3) * 2e-3  # mm that the plane wave goes in 2 us
+        ahead = height > 2.0 * fastest + 2.0  # a grid carries a little ahead of it
+        assert ahead.sum() > 5
+        assert np.allclose(speed[ahead], -150.0, rtol=1e-3)
+        assert speed[0] > -150.0
+
+
+def test_profiles_are_compared_where_both_are():
+    one, other = (np.array([0.0, 4.0]), np.array([0.0, 4.0])), (np.array([2.0, 6.0]), np.array([5.0, 9.0]))
+    assert axis.apart(one, other) == pytest.approx(3.0)
+    assert np.isnan(axis.apart(one, (np.array([5.0, 6.0]), np.zeros(2))))
+
+
+def test_a_run_does_not_differ_from_itself(finished: Path):
+    found = compare([finished, finished])
+    assert found.times == (0.001, 0.002)
+    for states in found.states:
+        assert states[1] == states[0]
+        assert states[1].apart == pytest.approx((0.0, 0.0), abs=1e-12)
+        assert states[1].axial_velocity == 0.0
+
+
+def test_the_wall_force_is_the_impulse_of_the_last_half_microsecond(twin: Path):
+    run = vp.Run(twin)
+    history = run.history
+    before = np.interp(0.0015, history["time"], history["wall_impulse"])
+    now = float(history["wall_impulse"].iloc[-1])
+    assert wall_force(run, 0.002) == pytest.approx((now - before) / 0.0005, rel=1e-9)
+    assert wall_force(run, 0.0002) * 0.0002 == pytest.approx(
+        np.interp(0.0002, history["time"], history["wall_impulse"])
+    )
+
+
+def test_methods_at_different_resolutions_are_compared(finished: Path, twin: Path):
+    found = compare([twin, finished])
+    assert found.names == ("twin", "quick")
+    for states in found.states:
+        other = states[1]
+        assert 0.0 < other.apart.distance < 1.0  # within a cell of the coarse grid
+        # the area between lies along the outline, nowhere further from it than the greatest distance
+        around = 2 * 3.8 + 2 * 25.4
+        assert 0.0 < other.apart.area * 3.8 * 25.4 < around * other.apart.distance
+
+
+def test_runs_of_one_name_are_told_apart(finished: Path, tmp_path: Path):
+    other = shutil.copytree(finished, tmp_path / "again" / finished.name)
+    assert compare([finished, other]).names == (f"{finished.parent.name}/quick", "again/quick")
+
+
+def test_other_physics_is_refused_with_its_keys(finished: Path, tmp_path: Path):
+    other = copied(finished, tmp_path)
+    text = (other / "case.toml").read_text()
+    (other / "case.toml").write_text(text.replace("650.0 1/ms", "65.0 1/ms").replace("150.0 m/s", "100.0 m/s"))
+    with pytest.raises(vp.InputError) as caught:
+        compare([finished, other])
+    assert "impact.speed: 150.0 m/s, 100.0 m/s" in str(caught.value)
+    assert "material.decay: 650.0 1/ms, 65.0 1/ms" in str(caught.value)
+    assert compare([finished, other], any_physics=True).physics == ("impact.speed", "material.decay")
+
+
+def test_a_law_with_other_keys_is_other_physics(finished: Path, tmp_path: Path):
+    other = copied(finished, tmp_path)
+    case = vp.Case.load(other / "case.toml").with_(
+        material={"law": "elastic", "density": "1 g/cm^3", "bulk": "550 MPa", "shear": "140 MPa"}
+    )
+    (other / "case.toml").write_text(case.to_toml())
+    with pytest.raises(vp.InputError, match=r"material\.decay: 650\.0 1/ms, none"):
+        compare([finished, other])
+
+
+def test_no_snapshot_in_common_is_refused_with_what_there_is(finished: Path, tmp_path: Path, quick: vp.Case):
+    vp.run(quick.with_({"time.end": "1.5 us", "time.snapshots": []}), tmp_path / "other", figures=False)
+    with pytest.raises(vp.InputError, match=r"no snapshot in common .* 0, 1, 2 us; .* 0, 1\.5 us"):
+        compare([finished, tmp_path / "other"])
+
+
+@pytest.mark.parametrize("name", ["case.toml", "provenance.json", "summary.json", "history.csv", "fields.vtkhdf"])
+@pytest.mark.parametrize("damage", ["missing", "empty", "cut", "garbage"])
+def test_a_damaged_run_is_refused_by_name(finished: Path, tmp_path: Path, name: str, damage: str):
+    other = copied(finished, tmp_path)
+    whole = (other / name).read_bytes()
+    (other / name).unlink()
+    if damage != "missing":
+        (other / name).write_bytes(
+            {"empty": b"", "cut": whole[: len(whole) // 3], "garbage": b"\x93\xff{]" * 99}[damage]
+        )
+    with pytest.raises(vp.InputError, match="copy"):
+        compare([finished, other])
+
+
+def test_a_run_that_goes_on_and_a_missing_one_are_refused(finished: Path, tmp_path: Path):
+    other = copied(finished, tmp_path)
+    summary = json.loads((other / "summary.json").read_text())
+    (other / "summary.json").write_text(json.dumps(summary | {"status": "running"}))
+    with pytest.raises(vp.InputError, match="not finished"):
+        compare([finished, other])
+    with pytest.raises(vp.InputError, match="absent"):
+        compare([finished, tmp_path / "absent"])
+    with pytest.raises(vp.InputError, match="two runs or more"):
+        compare([finished])
+
+
+def test_numbers_of_the_file_are_those_of_the_runs(finished: Path, twin: Path):
+    found: Comparison = compare([twin, finished])
+    tables = json.loads(json.dumps(found.to_tables(), allow_nan=False))
+    last = tables["snapshots"][-1]["runs"]["quick"]
+    row = vp.Run(finished).rows[-1]
+    for name in ("length", "foot_radius", "velocity", "kinetic", "numerical"):
+        assert last[name] == getattr(row, name)
+    assert set(last) == set(tables["units"])
+
+
+def called(*words: str | Path) -> tuple[int, str, str]:
+    """Compare on the command line; return exit code, output and messages."""
+    result = CliRunner().invoke(app, ["compare", *map(str, words)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+def test_the_command_prints_a_table_and_leaves_numbers_and_figures(finished: Path, twin: Path, tmp_path: Path):
+    code, out, messages = called(twin, finished, "--out", tmp_path / "made")
+    assert (code, messages) == (0, "")
+    row = vp.Run(finished).rows[-1]
+    for shown in ("2 us", f"{row.foot_radius:.3f}", f"{row.velocity:.2f}", "outline, area between", "made"):
+        assert shown in out
+    names = {path.name for path in (tmp_path / "made").rglob("*") if path.is_file()}
+    assert names == {"comparison.json", "outlines.png", "axis.png", "histories.png", "energies.png"}
+    code, _, messages = called(twin, finished, "--out", tmp_path / "made")
+    assert (code, "already there" in messages) == (2, True)
+    assert called(twin, finished, "--out", tmp_path / "made", "--force", "--no-figures")[0] == 0
+    assert not (tmp_path / "made" / "figures").exists()
+
+
+def test_force_replaces_comparisons_alone(finished: Path, twin: Path, tmp_path: Path):
+    run = copied(finished, tmp_path)
+    code, _, messages = called(twin, run, "--out", run, "--force")
+    assert (code, "has no comparison.json" in messages) == (2, True)
+    assert vp.Run(run).status == "complete"
+
+
+def test_bad_input_leaves_nothing_behind(finished: Path, tmp_path: Path):
+    for words in ([finished], [finished, tmp_path / "absent"], [finished, tmp_path]):
+        code, out, messages = called(*words, "--out", tmp_path / "made")
+        assert (code, out) == (2, "")
+        assert messages.startswith("viscopoint: ")
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_ends_with_code_3(finished: Path, twin: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def full(*arguments: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("viscopoint.comparison.write_json", full)
+    code, _, messages = called(twin, finished, "--out", tmp_path / "made")
+    assert (code, "No space left on device" in messages) == (3, True)

@@ -11,7 +11,8 @@ class Surface(NamedTuple):
     """Which points show where the rod's surface is (see ``gauges``)."""
 
     ring: Indices  # [layer, c], points around the circumference of each layer, from the foot up; -1: none
-    swell: Array  # [c], the rod's radius over the radius at which such a point starts
+    start: Array  # [c], how far from the axis such a point starts, mm
+    radius: float  # of the rod at the start, mm
     tail: Indices  # [column, 2], points of the last two layers; the rod ends ``reach`` of their distance further
     foot: Indices  # [column, 2], the same at the foot
     reach: float
@@ -24,30 +25,3 @@ class Body(NamedTuple):
     volume: Array  # [p], mm^3
     surface: Surface
     cells: Indices = np.empty((0, 8), np.int64)  # [e, 8], corners of the hexahedra in VTK's order; none for MPM
-
-
-def rod_lattice(radius: float, length: float, spacing: float) -> Body:
-    """Fill an upright rod, its foot at z = 0, with the paper's lattice.
-
-    Points stand at half spacings from the axis and from the foot, wherever that is inside the rod: 21,172 = 316 x 67
-    for the paper's 3.8 mm, 25.4 mm and 0.38 mm. All lengths in mm; there must be room for two layers.
-    """
-    half = int(radius / spacing) + 1
-    places = (np.arange(-half, half) + 0.5) * spacing
-    y, x = (grid.ravel() for grid in np.meshgrid(places, places, indexing="ij"))
-    inside = x**2 + y**2 <= radius**2 * (1 + 1e-12)
-    x, y = x[inside], y[inside]
-    layers = int(length / spacing + 0.5 + 1e-9)
-    z = (np.arange(layers) + 0.5) * spacing
-    position = np.stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, len(x))], axis=1, dtype=np.float64)
-    index = np.arange(len(position)).reshape(layers, len(x))
-    start = np.hypot(x, y)
-    rim = start > radius - spacing
-    surface = Surface(
-        ring=index[:, rim],
-        swell=radius / start[rim],
-        tail=np.column_stack([index[-1], index[-2]]),
-        foot=np.column_stack([index[0], index[1]]),
-        reach=0.5,
-    )
-    return Body(position, np.full(len(position), spacing**3), surface)

@@ -1,8 +1,9 @@
 """Lengths that a person would measure on the rod, from the positions of its points.
 
-- The **profile** is the rod's outline: for each layer of material, its mean height and its radius averaged around the
-  circumference. Points of a lattice stand inside the surface; a point that starts at radius R0 shows the surface at
-  its present radius times R / R0.
+- The **profile** is the rod's outline: for each layer of material, the mean height of its outer points and the radius
+  of the surface. Points of a lattice stand inside it, from R0 = R - spacing to R at the start: the straight line
+  through their present over their first distances from the axis, fitted by least squares, is read at R. (Present times
+  R / R0 is off by 1 % where a mushroom's foot is stretched unevenly.) Nodes on the surface show it by their mean.
 - The **foot radius** is that of the lowest layer, the **greatest radius** the largest of all.
 - Points that were lost, and what belongs to deleted elements only, count no more: the lowest layer is then the lowest
   that is left.
@@ -17,6 +18,8 @@ import numpy as np
 
 from viscopoint.arrays import Array, Indices
 from viscopoint.body import Surface
+
+LEVEL = 1e-6  # of the rod's radius: distances from the axis that differ by less are one
 
 
 class Gauges(NamedTuple):
@@ -33,8 +36,15 @@ class Gauges(NamedTuple):
 def profile(surface: Surface, position: Array) -> tuple[Array, Array]:
     """Return height and radius of each layer [mm]; points at not-a-number are left out."""
     ring = np.where((surface.ring < 0)[..., None], np.nan, position[surface.ring])
-    radius = np.hypot(ring[..., 0], ring[..., 1]) * surface.swell
-    return _mean(ring[..., 2]), _mean(radius)
+    now = np.hypot(ring[..., 0], ring[..., 1])
+    start = np.where(np.isfinite(now), surface.start, np.nan)
+    middle, radius = _mean(start), _mean(now)
+    apart = start - middle[:, None]
+    spread = _mean(apart**2)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        alike = spread <= (LEVEL * surface.radius) ** 2  # all started equally far out
+        slope = np.where(alike, radius / middle, _mean(apart * now) / spread)
+    return _mean(ring[..., 2]), radius + slope * (surface.radius - middle)
 
 
 def measure(surface: Surface, position: Array) -> Gauges:

@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 
-from viscopoint.body import rod_lattice
 from viscopoint.gauges import measure, profile
+from viscopoint.mpm.fills import Fill
+from viscopoint.mpm.fills.lattice import rod_lattice
+from viscopoint.mpm.fills.rings import rod_rings
 
 
 def test_the_paper_s_lattice_has_21172_points():
@@ -30,6 +32,29 @@ def test_gauges_follow_a_homogeneous_stretch():
     assert gauges.greatest_radius == pytest.approx(3.0 * 1.2)
 
 
+@pytest.mark.parametrize("fill", [rod_lattice, rod_rings])
+def test_radius_is_read_at_the_surface_where_the_stretch_is_uneven(fill: Fill):
+    body = fill(3.0, 10.0, 0.5)
+    start = np.hypot(body.position[:, 0], body.position[:, 1])
+
+    def measured(now: np.ndarray) -> float:
+        position = body.position * np.column_stack([now / start, now / start, np.ones_like(now)])
+        return measure(body.surface, position).greatest_radius
+
+    assert measured(0.5 + 0.9 * start) == pytest.approx(0.5 + 0.9 * 3.0)
+    # a straight line through points within a spacing of the surface misses a parabola by its curvature times at most
+    # half that distance squared
+    assert measured(start + 0.1 * start**2) == pytest.approx(3.0 + 0.1 * 9.0, abs=0.2 * 0.5**2 / 2 * 2**2)
+
+
+def test_a_layer_that_lost_all_points_but_one_still_has_a_radius():
+    body = rod_lattice(3.0, 10.0, 0.5)
+    position = 1.1 * body.position
+    position[body.surface.ring[4, 1:]] = np.nan
+    _, radius = profile(body.surface, position)
+    assert radius == pytest.approx(np.full(20, 3.3))
+
+
 def test_profile_gives_radius_and_height_of_each_layer_without_the_lost():
     body = rod_lattice(3.0, 10.0, 0.5)
     position = body.position.copy()
@@ -48,3 +73,46 @@ def test_layers_are_those_whose_centre_is_in_the_rod(length: float, spacing: flo
     body = rod_lattice(1.0, length, spacing)
     assert body.surface.ring.shape[0] == layers
     assert measure(body.surface, body.position).length == pytest.approx(layers * spacing)
+
+
+@pytest.mark.parametrize(
+    ("radius", "length", "spacing"), [(3.8, 25.4, 0.38), (3.8, 25.4, 0.41), (1.0, 0.8, 0.5), (1.0, 3.0, 1.0)]
+)
+def test_rings_have_the_cylinder_s_volume_centroid_and_moments(radius: float, length: float, spacing: float):
+    body = rod_rings(radius, length, spacing)
+    x, y, z = body.position.T
+    area = np.pi * radius**2
+    volume = body.volume
+    assert np.ptp(volume) == 0.0
+    assert volume.sum() == pytest.approx(area * length, rel=1e-13)
+    assert np.average(body.position, axis=0) == pytest.approx([0.0, 0.0, length / 2], abs=1e-13 * length)
+    # at the radius that halves each ring's area; at its mean radius the moment would be 1 - 1 / (2 n²) of this
+    assert volume @ (x**2 + y**2) == pytest.approx(area * radius**2 / 2 * length, rel=1e-12)
+    for square in (x**2, y**2):  # three points or more around each ring: alike in all directions
+        assert volume @ square == pytest.approx(area * radius**2 / 4 * length, rel=1e-12)
+    assert volume @ (x * y) == pytest.approx(0.0, abs=1e-12 * area * radius**2)
+    # layers are dz thick, which takes dz² / 12 off the second moment along the axis
+    layers = body.surface.ring.shape[0]
+    assert volume @ (z - length / 2) ** 2 == pytest.approx(area * length**3 / 12 * (1 - 1 / layers**2), rel=1e-12)
+
+
+def test_rings_measure_radius_and_length_exactly():
+    body = rod_rings(3.8, 25.4, 0.38)
+    gauges = measure(body.surface, body.position)
+    assert gauges.length == pytest.approx(25.4, rel=1e-14)
+    assert gauges.foot_radius == gauges.greatest_radius == pytest.approx(3.8, rel=1e-14)
+    assert gauges.widest_point < 3.8
+    assert body.surface.ring.shape == (67, 3 * (19 + 17))  # the outer two rings
+    assert len(body.position) == 67 * 3 * 10**2
+    stretched = measure(body.surface, body.position * [1.2, 1.2, 0.7])
+    assert stretched.length == pytest.approx(25.4 * 0.7)
+    assert stretched.greatest_radius == pytest.approx(3.8 * 1.2)
+
+
+def test_points_of_rings_are_about_a_spacing_apart():
+    body = rod_rings(3.8, 25.4, 0.38)
+    layer = body.position[body.position[:, 2] < 0.2, :2]
+    apart = np.linalg.norm(layer[:, None] - layer[None], axis=2) + np.eye(len(layer)) * 1e3
+    # around a ring 2 π r / (3 (2i + 1)): 1.05 d far out, 1.5 d in the innermost; rings are 0.87 d apart at least
+    assert apart.min() / 0.38 > 0.85
+    assert apart.min(axis=1).max() / 0.38 < 1.25

@@ -5,7 +5,13 @@ import pytest
 
 import viscopoint as vp
 from viscopoint.case import merged
+from viscopoint.model import build
 from viscopoint.mpm.inputs import BoxInput, MPMInput
+from viscopoint.mpm.method import MaterialPointMethod
+from viscopoint.mpm.shapes.gimp import Gimp
+from viscopoint.mpm.shapes.trilinear import Trilinear
+from viscopoint.mpm.volumes.cell_mean import CellMean
+from viscopoint.mpm.volumes.local import Local
 
 
 def faults(changes: dict[str, object], name: str = "paper") -> dict[str, str]:
@@ -81,7 +87,9 @@ def test_units_of_the_same_dimension_are_converted():
         ("material.decay", "650 ms", "wrong dimension"),
         ("material.law", "rubber", "allowed: elastic, elastic-plastic, linear-viscoelastic"),
         ("method.name", "sph", "allowed: fem, mpm"),
-        ("method.shape", "cubic", "allowed: trilinear"),
+        ("method.shape", "cubic", "allowed: gimp, trilinear"),
+        ("method.fill", "ring", "did you mean 'rings'"),
+        ("method.volume", "mean", "allowed: cell-mean, local"),
         ("method.scheme", "musll", "did you mean 'musl'"),
         ("method.pic_fraction", 1.5, "must not be greater than 1"),
         ("method.safety", 0.0, "must be greater than 0"),
@@ -170,6 +178,18 @@ def test_default_box_reaches_from_the_wall_around_the_rod():
     assert (thick.x, thick.z) == ((-80.0, 80.0), (-5.0, 2 * 25.4))
 
 
+def test_choices_of_the_material_point_method_reach_it():
+    names = {"method.shape": "gimp", "method.fill": "rings", "method.volume": "cell-mean"}
+    model = build(vp.Case.load("paper", names))
+    assert isinstance(model.method, MaterialPointMethod)
+    assert model.method.shape == Gimp(0.5 * 0.38 / 0.5)
+    assert model.method.volume is CellMean
+    assert len(model.body.position) == 67 * 300
+    plain = build(vp.Case.load("paper")).method
+    assert isinstance(plain, MaterialPointMethod)
+    assert (plain.shape, plain.volume, len(plain.body.position)) == (Trilinear(), Local, 21_172)
+
+
 @pytest.mark.parametrize("text", ["rod = 3 3", "\x00", "[a]\n[a]", "a = " + "[" * 5000])
 def test_what_is_not_toml_is_refused(tmp_path, text: str):
     file = tmp_path / "case.toml"
@@ -205,3 +225,9 @@ def test_schema_describes_every_key_of_the_paper_s_case():
     assert schema["$defs"]["Rod"]["properties"]["radius"]["examples"] == ["0.5 mm"]
     laws = schema["properties"]["material"]["discriminator"]["mapping"]
     assert "linear-viscoelastic-plastic" in laws
+    mpm = schema["$defs"]["MPMInput"]["properties"]
+    assert {name: mpm[name]["enum"] for name in ("shape", "fill", "volume")} == {
+        "shape": ["gimp", "trilinear"],
+        "fill": ["lattice", "rings"],
+        "volume": ["cell-mean", "local"],
+    }

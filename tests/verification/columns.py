@@ -16,14 +16,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from viscopoint.body import Body, Surface, rod_lattice
+from viscopoint.body import Body, Surface
 from viscopoint.laws.elastic import Elastic
 from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
 from viscopoint.method import Method
+from viscopoint.mpm.fills.lattice import rod_lattice
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
 from viscopoint.mpm.shapes import SHAPES
+from viscopoint.mpm.volumes import VOLUMES
 from viscopoint.viscosity import BulkViscosity
 from viscopoint.wall import RigidWall, Symmetry
 
@@ -59,7 +61,7 @@ def block(cell: float, x: int, y: int, z: int, per_cell: int = 2) -> Body:
     position: Array = np.column_stack([axis.ravel() for axis in mesh[::-1]])
     index = np.arange(len(position)).reshape(z * per_cell, -1)
     ends = [np.column_stack([index[a], index[b]]) for a, b in ((-1, -2), (0, 1))]
-    surface = Surface(index, np.ones(index.shape[1]), ends[0], ends[1], 0.5)
+    surface = Surface(index, np.ones(index.shape[1]), 1.0, ends[0], ends[1], 0.5)
     return Body(position, np.full(len(position), step**3), surface)
 
 
@@ -72,6 +74,8 @@ def column(
     pic: float = 0.0,
     safety: float = COURANT,
     viscosity: tuple[float, float] = (0.0, 0.0),
+    shape: str = "trilinear",
+    volume: str = "local",
 ) -> MaterialPointMethod:
     """Return a column with its foot on the plane z = 0, where ``velocity(z)`` is along z [mm/ms]."""
     cell = LENGTH / cells
@@ -81,11 +85,12 @@ def column(
     choices = Discretisation(
         cell=cell,
         box=Box((0.0, 0.0, -4 * cell), (side, side, 2 * LENGTH)),
-        shape=SHAPES["trilinear"],
+        shape=SHAPES[shape].fitted(0.5),
         scheme=SCHEMES[scheme],
         pic=pic,
         safety=safety,
         viscosity=BulkViscosity(*viscosity),
+        volume=VOLUMES[volume],
     )
     start = np.zeros((len(body.position), 3))
     start[:, 2] = velocity(body.position[:, 2])
@@ -105,12 +110,14 @@ def rod(
     safety: float = 0.4,
     viscosity: tuple[float, float] = (0.06, 1.5),
     body: Body | None = None,
+    shape: str = "trilinear",
+    volume: str = "local",
 ) -> MaterialPointMethod:
     """Return a viscoelastic rod of 2 mm radius, or another law or body, ``lift`` above the plane z = 0."""
     body = body or rod_lattice(2.0, HEIGHT, cell / 2)
     body = body._replace(position=body.position + [0.0, 0.0, lift])
-    shape = SHAPES["trilinear"]
-    choices = Discretisation(cell, box, shape, SCHEMES[scheme], pic, safety, BulkViscosity(*viscosity))
+    fitted, damping = SHAPES[shape].fitted(0.5), BulkViscosity(*viscosity)
+    choices = Discretisation(cell, box, fitted, SCHEMES[scheme], pic, safety, damping, VOLUMES[volume])
     return MaterialPointMethod(body, law or viscoelastic(65.0), walls, choices, velocity)
 
 

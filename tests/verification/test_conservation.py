@@ -23,8 +23,8 @@ from columns import (
 )
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.body import rod_lattice
 from viscopoint.method import Totals
+from viscopoint.mpm.fills.lattice import rod_lattice
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
@@ -89,7 +89,8 @@ def test_free_flight_changes_nothing(scheme: str, pic: float) -> None:
 def test_points_that_stand_exactly_on_nodes_fly_freely_too(scheme: str, shift: float) -> None:
     # spacing 0.5, cell 1: with a shift of 0.25 every other plane of points stands on nodes, some with nothing beyond
     box = Box((-8.0 + shift, -8.0 + shift, -8.0 + shift), (8.0, 8.0, 20.0))
-    choices = Discretisation(CELL, box, SHAPES["trilinear"], SCHEMES[scheme], 0.0, 0.4, BulkViscosity(0.06, 1.5))
+    shape = SHAPES["trilinear"].fitted(0.5)
+    choices = Discretisation(CELL, box, shape, SCHEMES[scheme], 0.0, 0.4, BulkViscosity(0.06, 1.5))
     method = MaterialPointMethod(rod_lattice(2.0, 6.0, 0.5), ELASTIC, (), choices, VELOCITY)
     start = method.totals()
     steps(method, 20)

@@ -59,7 +59,8 @@ def rod_surface(position: Array) -> Surface:
     ends = [np.flatnonzero(abs(height - end) <= tolerance) for end in (height.max(), height.min())]
     return Surface(
         ring=np.array([np.pad(layer, (0, widest - len(layer)), constant_values=-1) for layer in layers]),
-        swell=np.ones(widest),
+        start=np.full(widest, from_axis.max()),
+        radius=float(from_axis.max()),
         tail=np.column_stack([ends[0], ends[0]]),
         foot=np.column_stack([ends[1], ends[1]]),
         reach=0.0,

@@ -1,4 +1,4 @@
-"""The boundaries act on the nodes of the grid plane where they stand."""
+"""The boundaries act on the nodes of the grid plane where they stand, and beyond it."""
 
 from typing import Any
 

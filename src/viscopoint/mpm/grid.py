@@ -15,7 +15,7 @@ from viscopoint.arrays import Array
 from viscopoint.jit import kernel
 from viscopoint.mpm.points import Points
 
-SLAB = 3  # layers of cells; a shape function may span one node more than that along z
+SLAB = 3  # layers of cells; their points may act on twice as many nodes along z, all told
 CHUNKS = 64  # pieces of the point list that are sorted independently
 
 
@@ -52,14 +52,15 @@ class Grid(NamedTuple):
     critical: Array  # [slabs], least stable step of each, ms
 
 
-def lattice(box: Box, cell: float, points: int) -> Grid:
-    """Return a grid that starts at the box's lowest corner, as yet without nodes."""
-    layers = int(np.ceil((box.high[2] - box.low[2]) / cell - 1e-9))
+def lattice(box: Box, cell: float, points: int, overhang: int) -> Grid:
+    """Return a grid that starts ``overhang`` cells before the box's lowest corner, as yet without nodes."""
+    x0, y0, z0 = (low - overhang * cell for low in box.low)
+    layers = int(np.ceil((box.high[2] - z0) / cell - 1e-9))
     slabs = -(-layers // SLAB)
     nodes = np.zeros((0, 4))
     zero = np.uint64(0)
     return Grid(
-        *box.low, cell, 1.0 / cell, 0, 0, 0, zero, zero, zero, zero, nodes, nodes, nodes,
+        x0, y0, z0, cell, 1.0 / cell, 0, 0, 0, zero, zero, zero, zero, nodes, nodes, nodes,
         order=np.zeros(points, np.uint64), start=np.zeros(slabs + 2, np.int64), critical=np.full(slabs, np.inf),
     )  # fmt: skip
 

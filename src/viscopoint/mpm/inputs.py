@@ -5,13 +5,15 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from viscopoint.body import Body, rod_lattice
+from viscopoint.body import Body
 from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
 from viscopoint.laws import Law
+from viscopoint.mpm.fills import FILLS
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
 from viscopoint.mpm.shapes import SHAPES
+from viscopoint.mpm.volumes import VOLUMES
 from viscopoint.rules import rule
 from viscopoint.units import Coordinate, Length
 
@@ -36,8 +38,10 @@ class MPMInput(MethodInput):
     name: Literal["mpm"]
     cell: Length
     spacing: Length
+    fill: one_of(FILLS) = "lattice"  # pyright: ignore[reportInvalidTypeForm]
     shape: one_of(SHAPES) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
     scheme: one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
+    volume: one_of(VOLUMES) = "local"  # pyright: ignore[reportInvalidTypeForm]
     pic_fraction: float = Field(default=0.0, ge=0, le=1)
     safety: float = Field(default=0.2, gt=0, le=1)
     box: BoxInput | None = None
@@ -62,7 +66,7 @@ class MPMInput(MethodInput):
 
     def body(self, rod: Rod) -> Body:
         """Return the rod's points."""
-        return rod_lattice(rod.radius, rod.length, self.spacing)
+        return FILLS[self.fill](rod.radius, rod.length, self.spacing)
 
     def build(self, rod: Rod, impact: Impact, law: Law) -> MaterialPointMethod:
         """Return the rod as material points on their way to the wall."""
@@ -72,11 +76,12 @@ class MPMInput(MethodInput):
         choices = Discretisation(
             cell=self.cell,
             box=Box((x0, y0, z0), (x1, y1, z1)),
-            shape=SHAPES[self.shape],
+            shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
             scheme=SCHEMES[self.scheme],
             pic=self.pic_fraction,
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
+            volume=VOLUMES[self.volume],
         )
         motion = (0.0, 0.0, -impact.speed)
         return MaterialPointMethod(self.body(rod), law, (impact.boundary(),), choices, motion)

@@ -1,7 +1,6 @@
 """The material point method as the driver sees it."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,10 @@ from viscopoint.mpm.contact import touch
 from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, forget_force, forget_momentum, lattice
 from viscopoint.mpm.points import Points, at_rest
 from viscopoint.mpm.schemes import Scheme
+from viscopoint.mpm.shapes import Shape
 from viscopoint.mpm.stress import sum_points, update_points
+from viscopoint.mpm.volumes import Volume
+from viscopoint.mpm.volumes.local import Local
 from viscopoint.viscosity import BulkViscosity, signal_speed
 from viscopoint.wall import TALLY, RigidWall, Symmetry
 
@@ -25,11 +27,12 @@ class Discretisation:
 
     cell: float  # mm
     box: Box
-    shape: Any  # of ``mpm.shapes``
+    shape: Shape  # of ``mpm.shapes``
     scheme: Scheme  # of ``mpm.schemes``
     pic: float  # share of PIC in the velocity update, 0 to 1
     safety: float  # share of the critical step to take
     viscosity: BulkViscosity
+    volume: type[Volume] = Local  # of ``mpm.volumes``
 
 
 class MaterialPointMethod:
@@ -56,12 +59,13 @@ class MaterialPointMethod:
     ) -> None:
         self.body, self.law, self.boundaries = body, law, boundaries
         self.box, self.scheme, self.safety = choices.box, choices.scheme, choices.safety
-        self.shape, self.pic, self.viscosity = choices.shape, choices.pic, choices.viscosity
+        self.shape, self.pic = choices.shape, choices.pic
+        self.viscosity, self.volume = choices.viscosity, choices.volume
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
         self.points: Points = at_rest(body.position, law.density * body.volume, body.volume, len(self.blank))
         self.points.velocity[:] = velocity
-        self.grid: Grid = lattice(choices.box, choices.cell, len(body.position))
+        self.grid: Grid = lattice(choices.box, choices.cell, len(body.position), choices.shape.overhang)
         fastest = float(np.linalg.norm(self.points.velocity, axis=1).max())
         self.grid.critical[:] = choices.cell / (signal_speed(self.sound, 0.0) + fastest)
         self.tally = np.zeros(TALLY)  # of all boundaries, since the start
@@ -96,10 +100,15 @@ class MaterialPointMethod:
         for boundary in self.boundaries:
             touch(boundary, grid, self.middle)
 
+    def pressed(self) -> Volume:
+        """Return how the points' pressures act on the nodes of this step."""
+        return self.volume.pressed(self.points, self.grid)
+
     def update_stress(self, grid: Grid, dt: float) -> None:
         """Strain the points by the nodes' velocity and let the law answer."""
-        factors = step_factors(self.law, dt)
-        update_points(self.points, grid, self.shape, self.law, factors, self.blank, self.sound, self.viscosity, dt)
+        points, shape, law = self.points, self.shape, self.law
+        factors, volume = step_factors(law, dt), self.volume.strained(points, grid, shape, dt)
+        update_points(points, grid, shape, law, factors, self.blank, self.sound, self.viscosity, volume, dt)
 
     # --- what the driver and the outputs ask ---
 

@@ -38,7 +38,7 @@ def musl(mpm: "MaterialPointMethod", dt: float) -> None:
     """Update stress last, from the re-mapped momentum of the accelerated points: the paper's."""
     points, shape = mpm.points, mpm.shape
     grid = mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape)  # m_i, (mv)_i, f_i
+    scatter_momentum_and_force(points, grid, shape, mpm.pressed())  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
     mpm.contact(grid)  # v_n >= 0 on the wall
     forget_momentum(grid)
@@ -54,7 +54,7 @@ def usl(mpm: "MaterialPointMethod", dt: float) -> None:
     """Update stress last, from the accelerated nodes themselves (Sulsky, Chen & Schreyer 1994)."""
     points, shape = mpm.points, mpm.shape
     grid = mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape)  # m_i, (mv)_i, f_i
+    scatter_momentum_and_force(points, grid, shape, mpm.pressed())  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
     mpm.contact(grid)  # v_n >= 0 on the wall
     gather_velocity(points, grid, shape, mpm.pic)  # v_p
@@ -72,7 +72,7 @@ def usf(mpm: "MaterialPointMethod", dt: float) -> None:
     mpm.hold(grid)
     mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
     mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape)  # m_i, (mv)_i, f_i
+    scatter_momentum_and_force(points, grid, shape, mpm.pressed())  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
     mpm.contact(grid)  # v_n >= 0 on the wall
     gather_velocity(points, grid, shape, mpm.pic)  # v_p

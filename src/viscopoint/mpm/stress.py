@@ -11,7 +11,8 @@ from viscopoint.kinematics import increments
 from viscopoint.laws import History, stored_energy, update_stress
 from viscopoint.mpm.grid import CHUNKS, Grid
 from viscopoint.mpm.points import Points
-from viscopoint.mpm.transfers import around, gradient
+from viscopoint.mpm.support import around, gradient
+from viscopoint.mpm.volumes import dilated
 from viscopoint.rows import load, store
 from viscopoint.tensors import read, trace, write
 from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_pressure
@@ -27,12 +28,13 @@ def update_points(
     blank: History,
     sound: float,
     viscosity: BulkViscosity,
+    volume: Any,
     dt: float,
 ) -> None:
     """Update L_p, J_p, σ_p and the bulk viscosity from the nodes' velocity, and each slab's stable step.
 
-    ``factors`` are the law's for this step, ``blank`` is as long as its history and ``sound`` the wave speed at J = 1
-    [mm/ms].
+    ``factors`` are the law's for this step, ``blank`` is as long as its history, ``sound`` the wave speed at J = 1
+    [mm/ms] and ``volume`` one of ``mpm.volumes``.
     """
     jacobian, viscous, critical = points.jacobian, points.viscous_pressure, grid.critical
     dissipated, viscous_loss = points.dissipated, points.viscous_loss
@@ -43,6 +45,7 @@ def update_points(
             p = grid.order[q]
             at = around(points, p, grid, shape)
             strain, turn, ratio = increments(gradient(grid.velocity, grid, at, scale))
+            strain, ratio = dilated(volume, points, p, grid, strain, ratio)
             before, after = jacobian[p], jacobian[p] * ratio
             stress, history, loss = update_stress(
                 law, factors, strain, turn, after, read(points.stress[p]), load(points.history[p], blank)

@@ -41,7 +41,7 @@ class Selective(NamedTuple):
     """Eight integration points; nothing to control."""
 
     @classmethod
-    def controlled(cls, hourglass: Any) -> "Selective":  # noqa: ARG003  (nothing to control)
+    def controlled(cls, hourglass: Any) -> "Selective":
         return cls()
 
     @property

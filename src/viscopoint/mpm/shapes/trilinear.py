@@ -12,6 +12,14 @@ from viscopoint.mpm.shapes import Weights, offer, stencil
 class Trilinear(NamedTuple):
     """N = 1 - |s| over one cell either side."""
 
+    @classmethod
+    def fitted(cls, width: float) -> "Trilinear":
+        return cls()
+
+    @property
+    def overhang(self) -> int:
+        return 0
+
 
 # A point on a node would give no mass to its neighbour beyond, which still enters the gradient and would seem at rest.
 # So no weight is zero: the neighbour of nearly no mass moves like the point, as it does for points beside the node.

@@ -1,0 +1,26 @@
+"""How material points fill the rod: one short file each, found by itself.
+
+A fill is a function of radius, length and spacing [mm], offered under the name that a case uses, that returns an
+upright rod with its foot at z = 0. Its points are about ``spacing`` apart, in at least two layers.
+"""
+
+from collections.abc import Callable
+
+from viscopoint.body import Body
+from viscopoint.discovery import import_all
+
+Fill = Callable[[float, float, float], Body]
+FILLS: dict[str, Fill] = {}
+
+
+def offer(name: str) -> Callable[[Fill], Fill]:
+    """Let cases choose the decorated fill by ``name``."""
+
+    def register(fill: Fill) -> Fill:
+        FILLS[name] = fill
+        return fill
+
+    return register
+
+
+import_all(__name__)

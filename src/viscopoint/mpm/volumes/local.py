@@ -1,0 +1,32 @@
+"""Each point's own volume and pressure: the paper's."""
+
+from typing import Any, NamedTuple
+
+from viscopoint.jit import implements
+from viscopoint.mpm.grid import Grid
+from viscopoint.mpm.points import Points
+from viscopoint.mpm.volumes import dilated, offer, pull
+from viscopoint.tensors import Sym, read, spherical
+
+
+@offer("local")
+class Local(NamedTuple):
+    """Nothing is averaged."""
+
+    @classmethod
+    def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "Local":
+        return cls()
+
+    @classmethod
+    def pressed(cls, points: Points, grid: Grid) -> "Local":
+        return cls()
+
+
+@implements(dilated, Local)
+def own_volume(volume: Local, points: Points, p: int, grid: Grid, strain: Sym, ratio: float) -> tuple[Sym, float]:
+    return strain, ratio
+
+
+@implements(pull, Local)
+def own_stress(volume: Local, points: Points, p: int, grid: Grid) -> Sym:
+    return read(points.stress[p]) - spherical(points.viscous_pressure[p])

@@ -10,6 +10,7 @@ SMALL = {
     "time.end": "2 us",
     "time.snapshots": ["1 us"],
 }
+SMALL_FEM = {"method.size": "1.2 mm", "time.end": "2 us", "time.snapshots": ["1 us"]}
 
 
 @pytest.fixture
@@ -27,9 +28,8 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def twin(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The run folder of the quick case by finite elements."""
-    folder = tmp_path_factory.mktemp("runs") / "twin"
-    times = {key: SMALL[key] for key in ("time.end", "time.snapshots")}
-    vp.run(vp.Case.load("paper", {"method.size": "1.2 mm", **times}, method="fem"), folder, figures=False)
+def finished_fem(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The run folder of a small rod of finite elements."""
+    folder = tmp_path_factory.mktemp("runs") / "quick-fem"
+    vp.run(vp.Case.load("paper", SMALL_FEM, method="fem"), folder, figures=False)
     return folder

@@ -45,8 +45,8 @@ def test_layers_folded_over_each_other_still_enclose_an_area():
     assert np.isfinite(outline.apart(cylinder(1.0, 3.0), folded, 3.0)).all()
 
 
-def test_the_outline_at_the_start_is_the_rod(finished: Path, twin: Path):
-    for folder, length in ((finished, 36 * 0.7), (twin, 25.4)):  # a lattice of 36 layers; the rod itself
+def test_the_outline_at_the_start_is_the_rod(finished: Path, finished_fem: Path):
+    for folder, length in ((finished, 36 * 0.7), (finished_fem, 25.4)):  # a lattice of 36 layers; the rod itself
         run = vp.Run(folder)
         shape = outline.outline(run, run.snapshot(0))
         assert shape[:, 0].max() == pytest.approx(3.8, rel=1e-12)
@@ -54,8 +54,8 @@ def test_the_outline_at_the_start_is_the_rod(finished: Path, twin: Path):
         assert outline.apart(shape, cylinder(3.8, length), 3.8 * length).area < 1e-9
 
 
-def test_before_the_wave_comes_the_axis_falls_at_the_impact_speed(finished: Path, twin: Path):
-    for folder in (finished, twin):
+def test_before_the_wave_comes_the_axis_falls_at_the_impact_speed(finished: Path, finished_fem: Path):
+    for folder in (finished, finished_fem):
         run = vp.Run(folder)
         height, speed = axis.axial_velocity(run, run.snapshot("2 us"))
         assert np.all(np.diff(height) > 0.0)
@@ -81,8 +81,8 @@ def test_a_run_does_not_differ_from_itself(finished: Path):
         assert states[1].axial_velocity == 0.0
 
 
-def test_the_wall_force_is_the_impulse_of_the_last_half_microsecond(twin: Path):
-    run = vp.Run(twin)
+def test_the_wall_force_is_the_impulse_of_the_last_half_microsecond(finished_fem: Path):
+    run = vp.Run(finished_fem)
     history = run.history
     before = np.interp(0.0015, history["time"], history["wall_impulse"])
     now = float(history["wall_impulse"].iloc[-1])
@@ -92,9 +92,9 @@ def test_the_wall_force_is_the_impulse_of_the_last_half_microsecond(twin: Path):
     )
 
 
-def test_methods_at_different_resolutions_are_compared(finished: Path, twin: Path):
-    found = compare([twin, finished])
-    assert found.names == ("twin", "quick")
+def test_methods_at_different_resolutions_are_compared(finished: Path, finished_fem: Path):
+    found = compare([finished_fem, finished])
+    assert found.names == ("quick-fem", "quick")
     for states in found.states:
         other = states[1]
         assert 0.0 < other.apart.distance < 1.0  # within a cell of the coarse grid
@@ -161,8 +161,8 @@ def test_a_run_that_goes_on_and_a_missing_one_are_refused(finished: Path, tmp_pa
         compare([finished])
 
 
-def test_numbers_of_the_file_are_those_of_the_runs(finished: Path, twin: Path):
-    found: Comparison = compare([twin, finished])
+def test_numbers_of_the_file_are_those_of_the_runs(finished: Path, finished_fem: Path):
+    found: Comparison = compare([finished_fem, finished])
     tables = json.loads(json.dumps(found.to_tables(), allow_nan=False))
     last = tables["snapshots"][-1]["runs"]["quick"]
     row = vp.Run(finished).rows[-1]
@@ -178,23 +178,23 @@ def called(*words: str | Path) -> tuple[int, str, str]:
     return result.exit_code, result.stdout, result.stderr
 
 
-def test_the_command_prints_a_table_and_leaves_numbers_and_figures(finished: Path, twin: Path, tmp_path: Path):
-    code, out, messages = called(twin, finished, "--out", tmp_path / "made")
+def test_the_command_prints_a_table_and_leaves_numbers_and_figures(finished: Path, finished_fem: Path, tmp_path: Path):
+    code, out, messages = called(finished_fem, finished, "--out", tmp_path / "made")
     assert (code, messages) == (0, "")
     row = vp.Run(finished).rows[-1]
     for shown in ("2 us", f"{row.foot_radius:.3f}", f"{row.velocity:.2f}", "outline, area between", "made"):
         assert shown in out
     names = {path.name for path in (tmp_path / "made").rglob("*") if path.is_file()}
     assert names == {"comparison.json", "outlines.png", "axis.png", "histories.png", "energies.png"}
-    code, _, messages = called(twin, finished, "--out", tmp_path / "made")
+    code, _, messages = called(finished_fem, finished, "--out", tmp_path / "made")
     assert (code, "already there" in messages) == (2, True)
-    assert called(twin, finished, "--out", tmp_path / "made", "--force", "--no-figures")[0] == 0
+    assert called(finished_fem, finished, "--out", tmp_path / "made", "--force", "--no-figures")[0] == 0
     assert not (tmp_path / "made" / "figures").exists()
 
 
-def test_force_replaces_comparisons_alone(finished: Path, twin: Path, tmp_path: Path):
+def test_force_replaces_comparisons_alone(finished: Path, finished_fem: Path, tmp_path: Path):
     run = copied(finished, tmp_path)
-    code, _, messages = called(twin, run, "--out", run, "--force")
+    code, _, messages = called(finished_fem, run, "--out", run, "--force")
     assert (code, "has no comparison.json" in messages) == (2, True)
     assert vp.Run(run).status == "complete"
 
@@ -207,10 +207,12 @@ def test_bad_input_leaves_nothing_behind(finished: Path, tmp_path: Path):
         assert list(tmp_path.iterdir()) == []
 
 
-def test_a_full_disk_ends_with_code_3(finished: Path, twin: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_full_disk_ends_with_code_3(
+    finished: Path, finished_fem: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     def full(*arguments: object) -> None:
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("viscopoint.comparison.write_json", full)
-    code, _, messages = called(twin, finished, "--out", tmp_path / "made")
+    code, _, messages = called(finished_fem, finished, "--out", tmp_path / "made")
     assert (code, "No space left on device" in messages) == (3, True)

@@ -1,0 +1,58 @@
+"""What shows of a body in the 3-D view: the outer faces of finite elements, cubes around material points."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from viscopoint.arrays import Array, Indices
+from viscopoint.body import Body
+from viscopoint.fem.mesh import outer_faces
+from viscopoint.method import Field
+from viscopoint.results import Snapshot
+
+
+class Skin(NamedTuple):
+    """Which points of a body show, and how."""
+
+    points: Indices  # [n], their numbers in the body
+    faces: tuple[Indices, ...]  # sets of quadrilaterals [f, 4], counted in ``points`` from outside; none: cubes
+    faces_at: tuple[int, ...]  # [snapshot], which of the sets shows
+    edge: float  # of a cube, mm; 0: none
+
+
+def skin_of_elements(body: Body, snapshots: Sequence[Snapshot]) -> Skin:
+    """Return the outer faces of the elements that live; where some are deleted, others come to light."""
+    found: dict[bytes, tuple[int, Indices]] = {}
+    faces_at = []
+    for snapshot in snapshots:
+        alive = snapshot["deleted"] == 0
+        if alive.tobytes() not in found:
+            found[alive.tobytes()] = len(found), outer_faces(body.cells[alive])
+        faces_at.append(found[alive.tobytes()][0])
+    sets = [faces for _, faces in found.values()]
+    points = np.unique(np.concatenate([faces.ravel() for faces in sets]))
+    return Skin(points, tuple(np.searchsorted(points, faces) for faces in sets), tuple(faces_at), 0.0)
+
+
+def skin_of_points(body: Body, coarser: int = 1) -> Skin:
+    """Return the points of the rod's surface; of those in each block of ``coarser``³ spacings only the first."""
+    surface = body.surface
+    every = np.concatenate([surface.ring.ravel(), surface.tail[:, 0], surface.foot[:, 0]])
+    points = np.unique(every[every >= 0])
+    edge = coarser * float(np.cbrt(body.volume[points].mean()))
+    if coarser > 1:
+        block = np.floor(body.position[points] / edge + 1e-6)
+        points = points[np.sort(np.unique(block, axis=0, return_index=True)[1])]
+    return Skin(points, (), (), edge)
+
+
+def at_points(field: Field, snapshot: Snapshot, body: Body) -> Array:
+    """Return a field at the body's points; one on elements as the mean of those that live around each node."""
+    if field.on == "points":
+        return field.values
+    alive = snapshot["deleted"] == 0
+    corners, count = body.cells[alive], len(body.position)
+    sums = np.bincount(corners.ravel(), np.repeat(field.values[alive], corners.shape[1]), minlength=count)
+    around = np.bincount(corners.ravel(), minlength=count)
+    return np.divide(sums, around, out=np.full(count, np.nan), where=around > 0)

@@ -5,8 +5,8 @@ RUN := $(VENV)/bin
 
 .PHONY: reproduce test test-long lint bench clean
 
-reproduce: $(VENV)/.installed  ## run the main job: the paper's rod
-	$(RUN)/viscopoint run paper --force
+reproduce: $(VENV)/.installed  ## the main job: the paper, by both methods, with a report
+	$(RUN)/viscopoint reproduce
 
 test: $(VENV)/.installed-dev  ## run the tests
 	$(RUN)/pytest

@@ -71,7 +71,11 @@ def run(
         _use_threads(threads)
         name = Path(case).name.removesuffix(".toml")
         folder = out or Path("runs", f"{name}-{method}" if method else name)
-        with _progress() as watch:
+        with _progress("compiling") as progress:
+
+            def watch(share: float, row: "Row") -> None:
+                progress(share, f"{row.time * 1e3:.2f} us, step {row.step}")
+
             done = run_case(resolved, folder, force=force, figures=figures, watch=watch)
         _print_summary(done)
     raise typer.Exit({"complete": 0, "interrupted": 130}.get(done.status, 1))
@@ -110,6 +114,29 @@ def compare(
             if run.status != "complete":
                 console.print(f"INCOMPLETE: {run.folder} ({run.results.reason})", markup=False, soft_wrap=True)
         console.print(f"{NOTE}\n{out}", markup=False)
+
+
+@app.command()
+def reproduce(
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="FIGURE", help="Draw one figure, such as fig5, without a report.")
+    ] = None,
+    resolution: Annotated[str, typer.Option(help="paper, or fine: half the paper's distances too.")] = "paper",
+    out: Annotated[Path, typer.Option(help="The folder for runs, figures and report.")] = Path("runs/reproduction"),
+) -> None:
+    """Reproduce the paper: its figures by both methods, its statements checked, and a report."""
+    with _messages():
+        from viscopoint import reproduction
+        from viscopoint.reproduction.table import tables
+
+        with _progress("starting") as watch:
+            made = reproduction.reproduce(out, only or (), resolution, watch)
+        console = _console()
+        for table in tables(made):
+            console.print(table)
+        console.print(f"{made.wall_time:.0f} s", markup=False)
+        for file in (*made.figures.values(), *([made.report] if made.report else [])):
+            console.print(str(file), markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -203,26 +230,22 @@ def _use_threads(threads: int | None) -> None:
 
 
 @contextlib.contextmanager
-def _progress() -> Any:
-    """Show a bar with the time left on a terminal, and nothing elsewhere."""
+def _progress(begin: str) -> Any:
+    """Show a bar with the time left on a terminal, and nothing elsewhere; yield what sets it."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield None
+        yield lambda *_: None
         return
     columns = (
         BarColumn(), TextColumn("{task.percentage:3.0f} %"), TextColumn("{task.description}"),
         TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
     )  # fmt: skip
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("compiling", total=1.0)
-
-        def watch(share: float, row: "Row") -> None:
-            progress.update(task, completed=share, description=f"{row.time * 1e3:.2f} us, step {row.step}")
-
-        yield watch
+        task = progress.add_task(begin, total=1.0)
+        yield lambda share, going_on: progress.update(task, completed=share, description=going_on)
 
 
 def _console() -> Any:

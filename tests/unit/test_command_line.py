@@ -59,6 +59,9 @@ def test_run_leaves_a_whole_run_folder_and_show_prints_it(tmp_path: Path):
         (["run", "x" * 300], "there is no case"),
         (["run", "paper", "--set", "material.density=1e-15 g/mm^3", "--set", "material.bulk=1e15 MPa"], "steps; check"),
         (["run", "paper", "--threads", "1000"], "this machine has"),
+        (["reproduce", "--only", "fig9"], "figure 'fig9' is not known; did you mean"),
+        (["reproduce", "--resolution", "finest"], "resolution 'finest' is not known; did you mean 'fine'"),
+        (["compare", "absent", "missing"], "run folder absent: has no provenance.json"),
     ],
 )
 def test_bad_input_gives_one_message_and_code_2_and_writes_nothing(
@@ -82,6 +85,16 @@ def test_an_existing_folder_is_kept_without_force(tmp_path: Path):
     assert "already there" in messages
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
     assert call("run", "paper", "--out", folder, "--force", "--no-figures", *QUICK)[0] == 0
+
+
+def test_a_reproduction_goes_into_its_own_folder_alone(tmp_path: Path):
+    (tmp_path / "thesis.txt").write_text("all my work")
+    code, _, messages = call("reproduce", "--out", tmp_path)
+    assert code == 2
+    assert "has no reproduction.json" in messages
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+    code, _, messages = call("reproduce", "--out", tmp_path / "thesis.txt" / "deep")
+    assert (code, "cannot be made" in messages) == (2, True)
 
 
 def test_force_never_removes_what_is_no_run(tmp_path: Path):

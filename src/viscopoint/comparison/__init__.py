@@ -63,11 +63,14 @@ class Comparison:
         }
 
 
-def compare(runs: Sequence[Run | str | Path], *, any_physics: bool = False) -> Comparison:
+def compare(
+    runs: Sequence[Run | str | Path], times: Sequence[float] | None = None, *, any_physics: bool = False
+) -> Comparison:
     """Compare runs at the snapshots that all of them have, the first being the reference.
 
     Args:
         runs: two or more run folders.
+        times: compare at these of them alone [ms].
         any_physics: compare also runs of different rods, impacts or materials.
 
     Raises:
@@ -83,11 +86,12 @@ def compare(runs: Sequence[Run | str | Path], *, any_physics: bool = False) -> C
     different = sorted({key for run in opened[1:] for key in differing(opened[0], run)})
     if different and not any_physics:
         raise InputError(_told(opened, different))
-    times = _common_times(opened)
+    common = _common_times(opened)
+    chosen = common if times is None else tuple(time for time in common if _is_among(time, times))
     reference = opened[0]
     area = reference.case.rod.radius * reference.case.rod.length
-    states = tuple(_states(opened, time, area) for time in times)
-    return Comparison(opened, _names(opened), times, states, tuple(different))
+    states = tuple(_states(opened, time, area) for time in chosen)
+    return Comparison(opened, _names(opened), chosen, states, tuple(different))
 
 
 def write(comparison: Comparison, folder: Path, *, force: bool = False, figures: bool = True) -> None:
@@ -139,15 +143,15 @@ def _common_times(runs: Sequence[Run]) -> tuple[float, ...]:
     """Return the times after the start at which every run has a snapshot and a row of results."""
     rows = [[row.time for row in run.rows] for run in runs]
     fields = [run.times for run in runs]
-    common = [
-        time
-        for time in rows[0]
-        if time > 0.0 and all(any(abs(time - there) <= NEAR * time for there in times) for times in (*rows, *fields))
-    ]
+    common = [time for time in rows[0] if time > 0.0 and all(_is_among(time, times) for times in (*rows, *fields))]
     if not common:
         told = "; ".join(f"{run.folder} has {_in_words(run.times)}" for run in runs)
         raise InputError(f"no snapshot in common after the start: {told}")
     return tuple(common)
+
+
+def _is_among(time: float, times: Iterable[float]) -> bool:
+    return any(abs(time - there) <= NEAR * time for there in times)
 
 
 def _names(runs: Sequence[Run]) -> tuple[str, ...]:

@@ -6,14 +6,15 @@ from numpy.typing import NDArray
 from viscopoint.arrays import Array
 from viscopoint.results import Run, Snapshot
 
-NEAR = 0.75  # spacings from the axis; on a lattice the nearest four points of a layer stand at 0.71
+CORE = 0.25  # radii from the axis: what is averaged, so that it matters little where a method has its points
+NEAR = 0.75  # spacings from the axis, if that is more; on a lattice the nearest four points of a layer stand at 0.71
 SAMPLES = 400  # heights at which two profiles are compared
 
 
 def axial_velocity(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:
-    """Return height [mm] and axial velocity [m/s] of the layers' points beside the axis, from the foot up."""
+    """Return height [mm] and mean axial velocity [m/s] of the layers' points around the axis, from the foot up."""
     start = run.body.position
-    beside = np.hypot(start[:, 0], start[:, 1]) < NEAR * _spacing(run)
+    beside = np.hypot(start[:, 0], start[:, 1]) < max(CORE * run.case.rod.radius, NEAR * _spacing(run))
     _, height, speed = _by_layer(run, snapshot, beside)
     order = np.argsort(height)
     return height[order], speed[order]

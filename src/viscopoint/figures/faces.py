@@ -32,12 +32,21 @@ def cut_open(run: Run, snapshot: Snapshot) -> Indices:
 def paint(axis: Any, run: Run, snapshot: Snapshot, faces: Indices, seen: Array, colours: Normalize) -> None:
     """Draw faces in the mean axial velocity of their nodes, the far ones first, so that they cover what is behind."""
     corners = seen[faces]
-    towards = _area(corners) > 0.0
-    order = np.flatnonzero(towards)[np.argsort(-corners[towards, :, 2].mean(axis=1), kind="stable")]
+    order = far_first(corners)
     speed = snapshot["velocity"][faces[order], 2].mean(axis=1)
-    lines = EDGE if np.cbrt(run.body.volume.sum() / len(run.body.cells)) > FINEST * run.case.rod.radius else SEAM
     polygons = list(corners[order, :, :2])
-    axis.add_collection(PolyCollection(polygons, array=speed, cmap=COLOURS, norm=colours, snap=False, **lines))
+    axis.add_collection(PolyCollection(polygons, array=speed, cmap=COLOURS, norm=colours, snap=False, **lines(run)))
+
+
+def far_first(corners: Array) -> Indices:
+    """Return which faces ``[f, 4, 3]`` are turned towards the camera, the far ones first."""
+    towards = _area(corners) > 0.0
+    return np.flatnonzero(towards)[np.argsort(-corners[towards, :, 2].mean(axis=1), kind="stable")]
+
+
+def lines(run: Run) -> Any:
+    """Return how to draw the edges of faces: not at all, where they would hide the colours."""
+    return EDGE if np.cbrt(run.body.volume.sum() / len(run.body.cells)) > FINEST * run.case.rod.radius else SEAM
 
 
 def _area(corners: Array) -> Array:

@@ -1,0 +1,118 @@
+"""Runs many cases at the same time, a process for each core, and takes finished ones again."""
+
+import multiprocessing
+import os
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from typing import Any
+
+from viscopoint.case import Case
+from viscopoint.errors import InputError, ViscopointError
+from viscopoint.folder import CASE
+from viscopoint.results import Run
+from viscopoint.sources import digest
+
+Watch = Callable[[float, str], None]  # share done of the whole, what is going on
+PATIENCE = 0.1  # s between two looks at the progress
+
+_shares: Any = None  # in a worker: how far each run is, shared with the parent
+
+
+class Pool:
+    """As many worker processes as the machine has cores, each computing on one thread.
+
+    Results do not depend on the number of threads, so one run on each core is the fastest way to many runs. Workers
+    import the main module: in a script, call from below ``if __name__ == "__main__":``.
+    """
+
+    def __init__(self, tasks: int) -> None:
+        """Prepare for up to ``tasks`` runs; workers start when they are needed."""
+        context = multiprocessing.get_context("spawn")
+        self.shares: Any = context.Array("d", max(tasks, 1), lock=False)
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        self.executor = ProcessPoolExecutor(cores, mp_context=context, initializer=_begin, initargs=(self.shares,))
+
+    def __enter__(self) -> "Pool":
+        return self
+
+    def __exit__(self, kind: type | None, *rest: Any) -> None:
+        self.executor.shutdown(wait=True, cancel_futures=kind is not None)
+
+    def finish(self, cases: Mapping[str, Case], folder: Path, watch: Watch | None = None) -> dict[str, Run]:
+        """Return a finished run of each case, kept in ``folder`` under its name: the one there, or a new one.
+
+        Raises:
+            ViscopointError: a run was stopped by a guard, or a worker died; what was finished stays.
+            InputError, OutputError: as ``run`` raises them.
+        """
+        missing = {name: case for name, case in cases.items() if not _is_finished(folder / name, case)}
+        futures = {
+            self.executor.submit(_simulate, place, case, folder / name): name
+            for place, (name, case) in enumerate(missing.items())
+        }
+        self._wait(futures, watch)
+        runs = {name: Run(folder / name) for name in cases}
+        for name, run in runs.items():
+            if run.status == "interrupted":
+                raise KeyboardInterrupt
+            if run.status != "complete":
+                raise ViscopointError(f"run {name} did not end: {run.results.reason}; see {run.folder}")
+        return runs
+
+    def begin(self, function: Callable[..., Any], arguments: Iterable[tuple[Any, ...]]) -> Callable[[], None]:
+        """Begin to call a function with each tuple of arguments; return what waits for the end."""
+        futures = {self.executor.submit(function, *words): "" for words in arguments}
+        return lambda: self._wait(futures, None)
+
+    def _wait(self, futures: Mapping[Future[Any], str], watch: Watch | None) -> None:
+        """Wait for all; raise what the first to fail raised, and begin nothing more."""
+        left = set(futures)
+        try:
+            while left:
+                done, left = wait(left, timeout=PATIENCE, return_when=FIRST_COMPLETED)
+                for future in done:
+                    future.result()
+                if watch:
+                    going_on = [futures[future] for future in futures if future.running() and not future.done()]
+                    watch(sum(self.shares[: len(futures)]) / len(futures), ", ".join(going_on[: os.cpu_count()]))
+        except BrokenProcessPool:
+            raise ViscopointError(
+                "a worker process was killed, perhaps for want of memory; what was finished stays"
+            ) from None
+        except BaseException:
+            for future in left:
+                future.cancel()
+            raise
+
+
+def _begin(shares: Any) -> None:
+    """Prepare a worker."""
+    import numba
+
+    global _shares  # the only way into a worker
+    _shares = shares
+    numba.set_num_threads(1)
+
+
+def _simulate(place: int, case: Case, folder: Path) -> None:
+    """Run a case in a worker."""
+    from viscopoint.running import run
+
+    def watch(share: float, row: Any) -> None:
+        _shares[place] = share
+
+    run(case, folder, force=True, figures=False, watch=watch)
+
+
+def _is_finished(folder: Path, case: Case) -> bool:
+    """Return whether a folder holds a complete run of this very case by this very version."""
+    if not (folder / CASE).is_file():
+        return False
+    try:
+        run = Run(folder)
+        same = run.status == "complete" and run.provenance.get("sources") == digest() and run.case == case.resolved()
+        return same and len(run.times) == len(run.rows) and len(run.history) > 0
+    except InputError:  # damaged, or of another version: to be made again
+        return False

@@ -63,8 +63,8 @@ def both(rows: list[Agreement]) -> tuple[tuple[str, ...], ...]:
     return tuple(
         (
             *_which(row),
-            *(f"{getattr(row.fem, name):.3f} · {getattr(row.mpm, name):.3f} ({_off(row, name)})" for name in LENGTHS),
-            f"{row.fem.velocity:.2f} · {row.mpm.velocity:.2f} ({_off(row, 'velocity')})",
+            *(f"{_twins(row, name, 3)} ({_off(row, name)})" for name in LENGTHS),
+            f"{_twins(row, 'velocity', 2)} ({_off(row, 'velocity')})",
             *_outlines(row),
         )
         for row in rows
@@ -80,10 +80,14 @@ def _which(row: Agreement) -> tuple[str, str]:
     return row.material, f"{row.time * 1e3:g}"
 
 
+def _twins(row: Agreement, name: str, digits: int) -> str:
+    return f"{getattr(row.fem, name):.{digits}f}\u00a0·\u00a0{getattr(row.mpm, name):.{digits}f}"  # stay on one line
+
+
 def _outlines(row: Agreement) -> tuple[str, str]:
     return f"{100.0 * row.outline_area:.2f}", f"{row.outline_distance:.3f}"
 
 
 def _off(row: Agreement, name: str) -> str:
     fem, mpm = getattr(row.fem, name), getattr(row.mpm, name)
-    return f"{100.0 * (mpm - fem) / (row.speed if name == 'velocity' else fem):+.1f} %"
+    return f"{100.0 * (mpm - fem) / (row.speed if name == 'velocity' else fem):+.1f}\u00a0%"

@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 import viscopoint as vp
+from viscopoint.reproduction import Reproduction, reproduce
 
 SMALL = {
     "method.cell": "1 mm",
@@ -33,3 +34,9 @@ def finished_fem(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("runs") / "quick-fem"
     vp.run(vp.Case.load("paper", SMALL_FEM, method="fem"), folder, figures=False)
     return folder
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Reproduction:
+    """The paper reproduced at its own resolution."""
+    return reproduce(tmp_path_factory.mktemp("reproduction") / "made")

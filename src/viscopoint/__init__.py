@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from viscopoint.case import Case, packaged
     from viscopoint.comparison import Comparison, compare
     from viscopoint.errors import CaseError, InputError, OutputError, ViscopointError
+    from viscopoint.reproduction import Reproduction, reproduce
     from viscopoint.results import Run, Snapshot
     from viscopoint.running import run
 
@@ -28,11 +29,13 @@ __all__ = [
     "Comparison",
     "InputError",
     "OutputError",
+    "Reproduction",
     "Run",
     "Snapshot",
     "ViscopointError",
     "compare",
     "packaged",
+    "reproduce",
     "run",
 ]
 
@@ -45,6 +48,8 @@ _HOME = {
     "InputError": "errors",
     "OutputError": "errors",
     "ViscopointError": "errors",
+    "Reproduction": "reproduction",
+    "reproduce": "reproduction",
     "Run": "results",
     "Snapshot": "results",
     "run": "running",

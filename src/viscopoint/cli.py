@@ -1,7 +1,6 @@
 """The command line: thin, and quick to answer."""
 
 import contextlib
-import sys
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,7 +9,6 @@ import typer
 
 if TYPE_CHECKING:
     from viscopoint.ledger import Row
-    from viscopoint.results import Run
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -64,6 +62,7 @@ def run(
 ) -> None:
     """Simulate a case and leave a run folder."""
     with _messages():
+        from viscopoint import terminal
         from viscopoint.case import Case
         from viscopoint.running import run as run_case
 
@@ -71,13 +70,13 @@ def run(
         _use_threads(threads)
         name = Path(case).name.removesuffix(".toml")
         folder = out or Path("runs", f"{name}-{method}" if method else name)
-        with _progress("compiling") as progress:
+        with terminal.progress("compiling") as progress:
 
             def watch(share: float, row: "Row") -> None:
                 progress(share, f"{row.time * 1e3:.2f} us, step {row.step}")
 
             done = run_case(resolved, folder, force=force, figures=figures, watch=watch)
-        _print_summary(done)
+        terminal.print_summary(done)
     raise typer.Exit({"complete": 0, "interrupted": 130}.get(done.status, 1))
 
 
@@ -86,8 +85,9 @@ def show(run: RunFolder) -> None:
     """Print the results of a run."""
     with _messages():
         from viscopoint.results import Run
+        from viscopoint.terminal import print_summary
 
-        _print_summary(Run(run))
+        print_summary(Run(run))
 
 
 @app.command()
@@ -104,16 +104,18 @@ def compare(
     with _messages():
         from viscopoint import comparison
         from viscopoint.comparison.table import NOTE, tables
+        from viscopoint.folder import check_free
+        from viscopoint.terminal import console
 
+        check_free(out, force, comparison.NAME, runs)  # before anything takes time
         made = comparison.compare(runs, any_physics=any_physics)
         comparison.write(made, out, force=force, figures=figures)
-        console = _console()
+        screen = console()
         for table in tables(made):
-            console.print(table)
-        for run in made.runs:
-            if run.status != "complete":
-                console.print(f"INCOMPLETE: {run.folder} ({run.results.reason})", markup=False, soft_wrap=True)
-        console.print(f"{NOTE}\n{out}", markup=False)
+            screen.print(table)
+        for text in (*made.warnings(), NOTE):
+            screen.print(text, markup=False)
+        screen.print(str(out), markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -128,15 +130,16 @@ def reproduce(
     with _messages():
         from viscopoint import reproduction
         from viscopoint.reproduction.table import tables
+        from viscopoint.terminal import console, progress
 
-        with _progress("starting") as watch:
+        with progress("starting") as watch:
             made = reproduction.reproduce(out, only or (), resolution, watch)
-        console = _console()
+        screen = console()
         for table in tables(made):
-            console.print(table)
-        console.print(f"{made.wall_time:.0f} s", markup=False)
+            screen.print(table)
+        screen.print(f"{made.wall_time:.0f} s", markup=False)
         for file in (*made.figures.values(), *([made.report] if made.report else [])):
-            console.print(str(file), markup=False, soft_wrap=True)
+            screen.print(str(file), markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -227,75 +230,3 @@ def _use_threads(threads: int | None) -> None:
             numba.set_num_threads(threads)
         except ValueError:
             raise InputError(f"--threads {threads}: this machine has {numba.get_num_threads()}") from None
-
-
-@contextlib.contextmanager
-def _progress(begin: str) -> Any:
-    """Show a bar with the time left on a terminal, and nothing elsewhere; yield what sets it."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield lambda *_: None
-        return
-    columns = (
-        BarColumn(), TextColumn("{task.percentage:3.0f} %"), TextColumn("{task.description}"),
-        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
-    )  # fmt: skip
-    with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task(begin, total=1.0)
-        yield lambda share, going_on: progress.update(task, completed=share, description=going_on)
-
-
-def _console() -> Any:
-    """Return where results are printed: as wide as the terminal, or wide enough for any table where there is none."""
-    from rich.console import Console
-
-    return Console(width=None if sys.stdout.isatty() else 120, highlight=False)
-
-
-def _print_summary(run: "Run") -> None:
-    """Print a table of the snapshots and how the run ended."""
-    from rich.table import Table
-
-    meshed = run.results.elements > 0
-    heads = ("length", "foot r", "greatest r", "velocity", "kinetic", "impulse", "hourglass", "ledger", "lost")
-    units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "mJ", "%", "elements" if meshed else "points")
-    table = Table("time\nus", *(f"{head}\n{unit}" for head, unit in zip(heads, units, strict=True)), box=None)
-    for column in table.columns:
-        column.justify = "right"
-    for row in run.rows:
-        ledger = 100.0 * row.numerical / run.results.initial_energy
-        table.add_row(
-            f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.foot_radius:.3f}", f"{row.greatest_radius:.3f}",
-            f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{row.hourglass:.1f}",
-            f"{ledger:+.2f}", str(row.lost),
-        )  # fmt: skip
-    console = _console()
-    if run.case.title:
-        console.print(run.case.title, markup=False)
-    console.print(table)
-    console.print(_ending(run), markup=False, soft_wrap=True)
-
-
-def _ending(run: "Run") -> str:
-    """Say in a sentence how a run ended and where it is."""
-    results = run.results
-    if run.status == "running":
-        return f"not finished: still running, or killed; {run.folder}"
-    parts = results.elements or results.points
-    pace = parts * max(results.steps - 1, 0) / max(results.wall_time, 1e-3) / 1e6
-    gone = run.rows[-1].lost if run.rows else 0
-    lost = f", {gone} {'elements deleted' if results.elements else 'points left the box'}" if gone else ""
-    ended = "complete" if run.status == "complete" else f"INCOMPLETE ({results.reason})"
-    kind = "element" if results.elements else "point"
-    work = f"{parts} {kind}s, {results.steps} steps in {results.wall_time:.2f} s"
-    ledger = f"ledger within {results.energy_error:.2f} % of the initial kinetic energy"
-    mesh = ""
-    if results.mesh:
-        mesh = (
-            f"mesh: {results.points} nodes, least scaled Jacobian {results.mesh.least_jacobian:.2f}, greatest aspect "
-            f"{results.mesh.greatest_aspect:.2f}\n"
-        )
-    return f"{mesh}{ended}: {work} ({pace:.1f} M {kind}-steps/s), {ledger}{lost}\n{run.folder}"

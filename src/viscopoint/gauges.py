@@ -19,6 +19,7 @@ import numpy as np
 from viscopoint.arrays import Array, Indices
 from viscopoint.body import Surface
 
+FLIES = 0.5  # a point that is this share nearer to or farther from the axis than its layer is no longer the surface
 LEVEL = 1e-6  # of the rod's radius: distances from the axis that differ by less are one
 
 
@@ -37,13 +38,18 @@ def profile(surface: Surface, position: Array) -> tuple[Array, Array]:
     """Return height and radius of each layer [mm]; points at not-a-number are left out."""
     ring = np.where((surface.ring < 0)[..., None], np.nan, position[surface.ring])
     now = np.hypot(ring[..., 0], ring[..., 1])
-    start = np.where(np.isfinite(now), surface.start, np.nan)
-    middle, radius = _mean(start), _mean(now)
-    apart = start - middle[:, None]
-    spread = _mean(apart**2)
     with np.errstate(invalid="ignore", divide="ignore"):
-        alike = spread <= (LEVEL * surface.radius) ** 2  # all started equally far out
-        slope = np.where(alike, radius / middle, _mean(apart * now) / spread)
+        swell = now / surface.start
+        flies = np.abs(swell - _mean(swell)[:, None]) > FLIES * _mean(swell)[:, None]
+        now = np.where(flies, np.nan, now)
+        start = np.where(np.isfinite(now), surface.start, np.nan)
+        middle, radius = _mean(start), _mean(now)
+        apart = start - middle[:, None]
+        spread = _mean(apart**2)
+        # too few points, or all from equally far out, make no line
+        enough = np.isfinite(now).mean(axis=1) > 0.5
+        line = enough & (spread > 0.5 * np.var(surface.start)) & (spread > (LEVEL * surface.radius) ** 2)
+        slope = np.where(line, _mean(apart * now) / spread, radius / middle)
     return _mean(ring[..., 2]), radius + slope * (surface.radius - middle)
 
 

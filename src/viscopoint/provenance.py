@@ -12,7 +12,7 @@ import numba
 
 from viscopoint.sources import digest
 
-FORMAT = 2  # of run folders; 2: hourglass and eroded energy, cells
+FORMAT = 3  # of run folders; 2: hourglass and eroded energy, cells; 3: radii read at the surface
 PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import pandas
 
 CORRUPT = (OSError, KeyError, IndexError, TypeError, ValueError, RuntimeError)  # what h5py raises on damaged files
+ALWAYS = ("position", "displacement", "velocity", "lost", "stress", "pressure", "von_mises")  # fields of any method
 NEAR = 1e-6  # relative: a time given in words and a snapshot's that differ by less are the same
 
 
@@ -83,13 +84,14 @@ class Run:
         import pandas
 
         try:
-            table = pandas.read_csv(self._file(history_file.NAME))
+            table = pandas.read_csv(self._file(history_file.NAME), dtype=float)
         except (OSError, ValueError) as error:
             raise self._unreadable(history_file.NAME, error) from None
         names = [heading.partition(" [") for heading in table.columns]
         table.columns = [name for name, _, _ in names]
         table.attrs["units"] = {name: unit.rstrip("]") for name, _, unit in names}
-        if set(UNITS) - set(table.columns) or (self.rows and not table["time"].iloc[-1] >= self.rows[-1].time):
+        whole = not set(UNITS) - set(table.columns) and len(table) > 0 and bool((table["time"].diff()[1:] > 0.0).all())
+        if not whole or (self.rows and not table["time"].iloc[-1] >= self.rows[-1].time):
             raise self._unreadable(history_file.NAME, "a part of it is missing")
         return table
 
@@ -112,6 +114,9 @@ class Run:
             fields = field_file.read(self._file(field_file.NAME), number)
         except CORRUPT as error:
             raise self._unreadable(field_file.NAME, error) from None
+        missing = [name for name in ALWAYS if name not in fields]
+        if missing:
+            raise self._unreadable(field_file.NAME, f"it has no {missing[0]}")
         if len(fields["position"].values) != len(self.body.position):
             raise self._unreadable(field_file.NAME, f"its points are not those of {CASE}")
         return Snapshot(float(self.times[number]), fields)
@@ -160,7 +165,7 @@ class Run:
     def _json(self, name: str) -> dict[str, Any]:
         try:
             data = json.loads(self._file(name).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise self._unreadable(name, error) from None
         if not isinstance(data, dict):
             raise InputError(f"run folder {self.folder}: {name} holds no table")

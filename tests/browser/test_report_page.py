@@ -4,6 +4,7 @@ The browser is Debian's (``apt install chromium chromium-driver``); none is ever
 """
 
 import io
+import itertools
 import json
 import time
 from collections.abc import Callable, Iterator
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 import viscopoint as vp
 from viscopoint.report.page import Page, Paragraph, Picture, Section, Table, Verdict, View, write_page
 from viscopoint.report.scene import scene_of
+from viscopoint.reproduction import Reproduction
 
 BROWSER, DRIVER = Path("/usr/bin/chromium"), Path("/usr/bin/chromedriver")
 OPTIONS = (
@@ -299,4 +301,25 @@ def test_browser_without_webgl_says_so_in_place_of_the_view(start: Open, report:
     assert "needs WebGL" in reader.find(".message").text
     assert not reader.find(".plot").is_displayed()
     assert not reader.find(".controls").is_displayed()
+    assert reader.messages() == []
+
+
+def test_the_paper_s_report_shows_its_four_rods_without_an_error(start: Open, made: Reproduction):
+    assert made.report is not None
+    reader = Reader(start(WEBGL), made.report)
+    pictures = []
+    reader.press("[data-choice='time']", "\ue010")  # to the end
+    for material in ("β = 6.5 1/ms", "β = 65 1/ms", "β = 650 1/ms", "elastic"):
+        reader.choose("material", material)
+        assert "FEM, 20 µs" in reader.find(".plot").text
+        assert "MPM, 20 µs" in reader.find(".plot").text
+        pictures.append(reader.look())
+    assert all(changed(one, other) > CHANGE / 4 for one, other in itertools.pairwise(pictures))
+    images = reader.browser.find_elements("css selector", "figure img")
+    widths = [reader.browser.execute_script("return arguments[0].naturalWidth", image) for image in images]
+    assert len(widths) == 8
+    assert min(widths) > 900
+    verdicts = [badge.text for badge in reader.browser.find_elements("css selector", ".verdict strong")]
+    assert len(verdicts) == 2 * len(made.findings)
+    assert set(verdicts) == {"seen", "not seen"}
     assert reader.messages() == []

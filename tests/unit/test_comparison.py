@@ -2,6 +2,7 @@ import json
 import shutil
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -205,6 +206,55 @@ def test_bad_input_leaves_nothing_behind(finished: Path, tmp_path: Path):
         assert (code, out) == (2, "")
         assert messages.startswith("viscopoint: ")
         assert list(tmp_path.iterdir()) == []
+
+
+def test_any_folder_name_is_shown_as_it_is(finished: Path, tmp_path: Path):
+    names = ("a$\\x$", "_hidden", "[bold]")
+    for name in names:
+        shutil.copytree(finished, tmp_path / name)
+    code, out, _ = called(*(tmp_path / name for name in names), "--out", tmp_path / "made")
+    assert code == 0
+    assert all(name in out for name in names)
+
+
+def test_runs_of_other_versions_are_told(finished: Path, tmp_path: Path):
+    other = copied(finished, tmp_path)
+    facts = json.loads((other / "provenance.json").read_text())
+    (other / "provenance.json").write_text(json.dumps(facts | {"sources": "0" * 16, "commit": "feedface"}))
+    (warning,) = compare([finished, other]).warnings()
+    assert "different versions" in warning
+    assert "feedface" in warning
+
+
+def test_times_that_no_run_has_are_refused(finished: Path):
+    assert compare([finished, finished], [0.002]).times == (0.002,)
+    with pytest.raises(vp.InputError, match=r"no snapshot in common at 5 us; there are 1, 2 us"):
+        compare([finished, finished], [0.005])
+
+
+@pytest.mark.parametrize(("field", "rows"), [("velocity", None), ("lost", None), ("velocity", 1), ("pressure", 7)])
+def test_a_field_that_is_missing_or_cut_is_refused(finished: Path, tmp_path: Path, field: str, rows: int | None):
+    other = copied(finished, tmp_path)
+    with h5py.File(other / "fields.vtkhdf", "a") as file:
+        data: h5py.Dataset = file[f"VTKHDF/PointData/{field}"]  # pyright: ignore[reportAssignmentType]
+        if rows is None:
+            del file[f"VTKHDF/PointData/{field}"]
+        else:
+            data.resize(len(data) - rows, axis=0)
+    with pytest.raises(vp.InputError, match=rf"fields\.vtkhdf cannot be read .*{field}"):
+        compare([finished, other])
+
+
+@pytest.mark.parametrize("line", ["", "a word,", "0.0,", "nan,"])
+def test_a_history_that_is_no_table_of_numbers_is_refused(finished: Path, tmp_path: Path, line: str):
+    other = copied(finished, tmp_path)
+    lines = (other / "history.csv").read_text().splitlines()
+    time, _, rest = lines[-2].partition(",")
+    assert float(time) > 0.0
+    changed = [*lines[:-2], line + rest, lines[-1]] if line else lines[:1]
+    (other / "history.csv").write_text("\n".join(changed) + "\n")
+    with pytest.raises(vp.InputError, match=r"history\.csv cannot be read"):
+        compare([finished, other])
 
 
 def test_a_full_disk_ends_with_code_3(

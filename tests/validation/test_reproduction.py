@@ -14,19 +14,17 @@ from viscopoint.reproduction.statements import STATEMENTS, Statement
 ELASTIC, SOFT = "elastic", "β = 650 1/ms"
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Reproduction:
-    return reproduce(tmp_path_factory.mktemp("reproduction") / "made")
-
-
 def deviation(made: Reproduction, material: str, variant: str) -> deviations.Deviation:
     return next(row for row in made.deviations if (row.material, row.variant) == (material, variant))
 
 
-def test_every_statement_of_the_paper_is_seen(made: Reproduction):
+def test_all_statements_of_the_paper_but_one_are_seen(made: Reproduction):
     assert len(made.findings) == len(STATEMENTS) >= 16
     assert {said.figure for said, _ in made.findings} == set(FIGURES)
-    assert [(said.words, found.measured) for said, found in made.findings if not found.seen] == []
+    not_seen = {said.words: found.measured for said, found in made.findings if not found.seen}
+    # by FEM the rod bulges by 0.508 mm, a hundredth of a millimetre more than the cell that counts as visible
+    assert list(not_seen) == ["β = 6.5: hardly any visible change"]
+    assert not_seen.popitem()[1].startswith("the rod's widest place grows by 0.51, 0.41 mm")
 
 
 WRONG = {  # what each check must not find in runs of something else
@@ -107,14 +105,14 @@ def test_only_one_unit_of_the_decay_constant_tells_the_materials_apart(made: Rep
 
 
 def test_everything_is_in_the_folder_and_the_report_is_bounded(made: Reproduction):
-    assert {path.stem for path in (made.folder / "figures").iterdir()} == {*FIGURES, "units", "deviations"}
+    assert {path.stem for path in (made.folder / "figures" / "paper").iterdir()} == {*FIGURES, "units", "deviations"}
     assert made.report is not None
     assert 4e6 < made.report.stat().st_size < 15e6
     page = made.report.read_text()
     for text in ("β has no effect", "Agreement of MPM and FEM", "21,172", "as printed", "Provenance"):
         assert text in page
     tables = json.loads((made.folder / NAME).read_text())
-    assert [row["seen"] for row in tables["statements"]] == [True] * len(STATEMENTS)
+    assert [row["seen"] for row in tables["statements"]].count(True) == len(STATEMENTS) - 1
     assert len(tables["agreement"]["paper"]) == 12
 
 
@@ -131,6 +129,7 @@ def test_finished_runs_are_taken_again_and_damaged_or_other_ones_are_not(made: R
     before = {name: (run / "summary.json").stat().st_mtime_ns for name, run in runs.items()}
     again = reproduce(folder, ["fig7"])
     assert list(again.figures) == ["fig7"]
+    assert (folder / NAME).read_bytes() == (made.folder / NAME).read_bytes()  # all that was found before
     renewed = {name for name, run in runs.items() if (run / "summary.json").stat().st_mtime_ns != before[name]}
     assert renewed == set(names[:3])
     for name in names:
@@ -142,3 +141,14 @@ def test_agreement_table_has_a_cell_for_each_head(made: Reproduction):
         assert len(cells) == len(agreement.HEAD)
     for cells in deviations.shown(made.deviations):
         assert len(cells) == len(deviations.HEAD)
+
+
+@pytest.mark.long
+def test_half_the_distances_show_the_same_and_bring_the_paper_s_method_no_closer(tmp_path: Path):
+    made = reproduce(tmp_path / "made", resolution="fine")
+    assert [said.words for said, found in made.findings if not found.seen] == ["β = 6.5: hardly any visible change"]
+    assert made.report is not None
+    ends = {name: [row for row in rows if row.time == 0.02] for name, rows in made.agreement.items()}
+    for coarse, fine in zip(ends["paper"], ends["fine"], strict=True):
+        # as many points in a cell: the error is one of quadrature, not of resolution
+        assert abs(fine.mpm.velocity - fine.fem.velocity) > abs(coarse.mpm.velocity - coarse.fem.velocity)

@@ -20,7 +20,7 @@ WINDOW = 0.5e-3  # ms over which the wall force is averaged: on a grid it comes 
 NAME = "comparison.json"
 MEASURED = (
     "length", "foot_radius", "greatest_radius", "velocity", "wall_impulse",
-    "kinetic", "stored", "dissipated", "viscous", "contact", "numerical",
+    "kinetic", "stored", "dissipated", "viscous", "hourglass", "eroded", "contact", "friction", "numerical",
 )  # fmt: skip
 
 
@@ -42,6 +42,16 @@ class Comparison:
     times: tuple[float, ...]  # ms
     states: tuple[tuple[State, ...], ...]  # [time][run]
     physics: tuple[str, ...]  # keys of the case that differ, if that was allowed
+
+    def warnings(self) -> list[str]:
+        """Return what makes the numbers less comparable than they look."""
+        told = [f"INCOMPLETE: {run.folder} ({run.results.reason})" for run in self.runs if run.status != "complete"]
+        if len({run.provenance.get("sources") for run in self.runs}) > 1:
+            made = ", ".join(f"{run.folder} by {run.provenance.get('commit') or 'another'}" for run in self.runs)
+            told.append(f"NOTE: made by different versions of viscopoint: {made}")
+        if self.physics:
+            told.append(f"NOTE: of different physics: {', '.join(self.physics)}")
+        return told
 
     def to_tables(self) -> dict[str, Any]:
         """Return all numbers under names, as ``comparison.json`` holds them; null: not a number."""
@@ -75,7 +85,7 @@ def compare(
 
     Raises:
         InputError: a folder holds no run, or one that is still going on; there is no snapshot in common after the
-            start; the cases differ in what happens, and not only in how it is computed.
+            start, or at the ``times`` asked for; the cases differ in what happens, and not only in how it is computed.
     """
     opened = tuple(run if isinstance(run, Run) else Run(run) for run in runs)
     if len(opened) < 2:
@@ -88,6 +98,8 @@ def compare(
         raise InputError(_told(opened, different))
     common = _common_times(opened)
     chosen = common if times is None else tuple(time for time in common if _is_among(time, times))
+    if not chosen:
+        raise InputError(f"no snapshot in common at {_in_words(times or ())}; there are {_in_words(common)}")
     reference = opened[0]
     area = reference.case.rod.radius * reference.case.rod.length
     states = tuple(_states(opened, time, area) for time in chosen)
@@ -155,13 +167,15 @@ def _is_among(time: float, times: Iterable[float]) -> bool:
 
 
 def _names(runs: Sequence[Run]) -> tuple[str, ...]:
-    """Return the folders' names, with as many parent folders as tell them apart."""
+    """Return the folders' names, with as many parent folders as tell them apart; of one folder twice, numbered."""
     places = [run.folder.resolve() for run in runs]
+    names = [str(place) for place in places]
     for depth in range(1, max(len(place.parts) for place in places) + 1):
-        names = tuple("/".join(place.parts[-depth:]) for place in places)
-        if len(set(names)) == len(names):
-            return names
-    return tuple(f"{run.folder} ({number})" for number, run in enumerate(runs, 1))
+        names = ["/".join(place.parts[-depth:]) for place in places]
+        if len(set(names)) == len(set(places)):
+            break
+    twice = {name for name in names if names.count(name) > 1}
+    return tuple(f"{name} ({number})" if name in twice else name for number, name in enumerate(names, 1))
 
 
 def _told(runs: Sequence[Run], different: list[str]) -> str:
@@ -182,13 +196,14 @@ def _described(name: str, run: Run) -> dict[str, Any]:
         "folder": str(run.folder),
         "title": case.title,
         "method": case.method.name,
-        "resolution [mm]": case.method.resolution(),
+        "resolution [mm]": case.method.resolution() or None,  # that of a mesh file is not known
         "points": results.points,
         "elements": results.elements,
         "status": run.status,
         "reason": results.reason,
         "viscopoint": run.provenance.get("viscopoint"),
         "commit": run.provenance.get("commit"),
+        "sources": run.provenance.get("sources"),
     }
 
 

@@ -12,6 +12,7 @@ from viscopoint.comparison import WINDOW, Comparison
 from viscopoint.comparison.axis import axial_velocity
 from viscopoint.comparison.outline import outline
 from viscopoint.figures import STYLE
+from viscopoint.folder import whole
 from viscopoint.results import Run
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # told apart by any eye
@@ -33,7 +34,8 @@ def draw_all(comparison: Comparison, folder: Path) -> list[Path]:
     with rc_context(STYLE):
         for name, draw in FIGURES.items():
             files.append(folder / f"{name}.png")
-            draw(comparison).savefig(files[-1])
+            with whole(files[-1]) as part:
+                draw(comparison).savefig(part, format="png")
     return files
 
 
@@ -84,17 +86,22 @@ def histories(comparison: Comparison) -> Figure:
 
 
 def energies(comparison: Comparison) -> Figure:
-    """Draw each term of the ledger, in per cent of the initial kinetic energy."""
-    figure = Figure(figsize=(8.0, 6.6), layout="constrained")
-    axes = figure.subplots(3, 2, sharex=True).ravel()
-    terms = (*TERMS, ("viscous", "bulk viscosity"), ("numerical", "numerical remainder"))
-    for style, name, run in _styled(comparison):
+    """Draw each term of the ledger that any run has, in per cent of the initial kinetic energy."""
+    runs = _styled(comparison)
+    terms = [term for term in TERMS if any(bool((run.history[term[0]] != 0.0).any()) for _, _, run in runs)]
+    rows = -(-len(terms) // 2)
+    figure = Figure(figsize=(8.0, 0.6 + 2.0 * rows), layout="constrained")
+    axes = figure.subplots(rows, 2, sharex=True, squeeze=False).ravel()
+    for style, name, run in runs:
         initial = run.results.initial_energy
-        for axis, (column, label) in zip(axes, terms, strict=True):
+        for axis, (column, label) in zip(axes, terms, strict=False):
             axis.plot(run.history["time"] * 1e3, 100.0 * run.history[column] / initial, label=name, **style)
             axis.set_ylabel(f"{label} (%)")
-    for axis in axes[-2:]:
+    for axis in axes[len(terms) :]:
+        axis.set_visible(False)
+    for axis in axes[len(terms) - 2 : len(terms)]:
         axis.set_xlabel("time (µs)")
+        axis.tick_params(labelbottom=True)
     return _with_legend(figure, axes[0])
 
 
@@ -111,7 +118,14 @@ def _styled(comparison: Comparison) -> list[tuple[dict[str, Any], str, Run]]:
         {"color": COLOURS[n % len(COLOURS)], "linestyle": DASHES[n % len(DASHES)], "linewidth": 1.2}
         for n in range(len(comparison.runs))
     ]
-    return list(zip(styles, comparison.names, comparison.runs, strict=True))
+    names = [_as_label(name) for name in comparison.names]
+    return list(zip(styles, names, comparison.runs, strict=True))
+
+
+def _as_label(name: str) -> str:
+    """Return a folder's name as Matplotlib shows it: a dollar would begin a formula, a leading underscore hide it."""
+    shown = name.replace("$", r"\$")
+    return f" {shown}" if shown.startswith("_") else shown
 
 
 def _chosen(times: tuple[float, ...]) -> list[float]:

@@ -17,9 +17,13 @@ ROWS = {  # quantity: what is printed, unit, decimals, what a difference is a sh
     "stored": ("stored energy", "mJ", 1, "energy"),
     "dissipated": ("dissipated by the law", "mJ", 1, "energy"),
     "viscous": ("bulk viscosity", "mJ", 1, "energy"),
+    "hourglass": ("hourglass control", "mJ", 1, "energy"),
+    "eroded": ("in deleted elements", "mJ", 1, "energy"),
     "contact": ("taken at the wall", "mJ", 1, "energy"),
+    "friction": ("friction", "mJ", 1, "energy"),
     "numerical": ("numerical remainder", "mJ", 1, "energy"),
 }
+SELDOM = ("hourglass", "eroded", "friction")  # left out where they are zero
 NOTE = (
     "In brackets the difference from the first run, per cent: of its value; for velocities of the impact speed; for "
     "energies of the initial kinetic energy. The wall force is a mean over 0.5 us; outlines are told apart by the area "
@@ -37,6 +41,8 @@ def tables(comparison: Comparison) -> Iterator[Table]:
             column.justify = "right"
         for name, (words, unit, digits, base) in ROWS.items():
             values = [getattr(state.row, name) for state in states]
+            if name in SELDOM and not any(values):
+                continue
             table.add_row(words, unit, *_cells(values, digits, bases[base] if base in bases else values[0]))
         forces = [state.wall_force for state in states]
         others = states[1:]

@@ -11,6 +11,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from viscopoint.discovery import import_all
+from viscopoint.folder import whole
 
 if TYPE_CHECKING:
     from viscopoint.results import Run
@@ -54,7 +55,8 @@ def draw_all(run: "Run", folder: Path) -> list[Path]:
     with rc_context(STYLE):
         for name, draw in FIGURES.items():
             files.append(folder / f"{name}.png")
-            draw(run).savefig(files[-1])
+            with whole(files[-1]) as part:
+                draw(run).savefig(part, format="png")
     return files
 
 

@@ -146,7 +146,10 @@ def read(path: Path, number: int) -> dict[str, Field]:
         counts = {"points": int(root["NumberOfPoints"][0]), "cells": int(root["NumberOfCells"][0])}
 
         def rows(dataset: Any, offset: int, on: Any) -> Field:
-            return Field(dataset[offset : offset + counts[on]], str(dataset.attrs["unit"]), on)
+            values = dataset[offset : offset + counts[on]]
+            if len(values) < counts[on]:
+                raise ValueError(f"{dataset.name} is cut off")
+            return Field(values, str(dataset.attrs["unit"]), on)
 
         fields = {"position": rows(root["Points"], int(root["Steps/PointOffsets"][number]), "points")}
         for on, group in DATA.items():

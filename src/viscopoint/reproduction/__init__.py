@@ -12,7 +12,7 @@ from typing import Any
 
 from viscopoint.case import Case
 from viscopoint.errors import InputError, nearest
-from viscopoint.folder import disk_faults, make, write_json
+from viscopoint.folder import alone, disk_faults, make, whole, write_json
 from viscopoint.reproduction import agreement, decoding, deviations
 from viscopoint.reproduction.agreement import Agreement
 from viscopoint.reproduction.cases import RESOLUTIONS, main_cases, printed_cases
@@ -84,22 +84,18 @@ def reproduce(
     folder = Path(out)
     make(folder, NAME)
     cases = _cases(only, resolution)
-    with disk_faults(folder), Pool(len(cases)) as pool:
-        finished = pool.finish(cases, folder / "runs", watch)
-        made = Reproduction(folder, resolution, _sorted(finished))
+    with alone(folder), disk_faults(folder), Pool(len(cases)) as pool:
+        made = Reproduction(folder, resolution, _sorted(pool.finish(cases, folder / "runs", watch)))
+        if watch:
+            watch(1.0, "figures and numbers")
         wait_for_figures = _draw(made, only, pool)
-        runs = made.runs[resolution]
-        said = [statement for statement in STATEMENTS if not only or statement.figure in only]
-        made.findings = [(it, it.check({name: runs[name] for name in it.needs})) for it in said]
-        if not only:
-            mains = [name for name in RESOLUTIONS if name in made.runs]
-            made.agreement = {name: agreement.agreements(made.runs[name]) for name in mains}
-            made.deviations = deviations.measured(made.runs["paper"], made.runs["causes"])
+        _find(made, only)
         wait_for_figures()
         if not only:
-            _report(made)
+            _write_report(made)
         made.wall_time = time.perf_counter() - began
-        write_json(folder / NAME, made.to_tables())
+        if not only:
+            write_json(folder / NAME, made.to_tables())
     return made
 
 
@@ -128,8 +124,8 @@ def _sorted(finished: Mapping[str, Run]) -> dict[str, Runs]:
 
 def _draw(made: Reproduction, only: Collection[str], pool: Pool) -> Callable[[], None]:
     """Begin to draw the paper's figures, and with the report those that explain; return what waits for the end."""
-    figures = made.folder / "figures"
-    figures.mkdir(exist_ok=True)
+    figures = made.folder / "figures" / made.resolution
+    figures.mkdir(parents=True, exist_ok=True)
     names = [name for name in FIGURES if name in only] if only else [*FIGURES, *EXPLAINING]
     made.figures = {name: figures / f"{name}.png" for name in names}
     folders = {group: {name: run.folder for name, run in runs.items()} for group, runs in made.runs.items()}
@@ -147,11 +143,23 @@ def _draw_one(name: str, folders: dict[str, dict[str, Path]], resolution: str, f
         save(FIGURES[name].draw(runs[resolution]), file)
         return
     with rc_context(STYLE):
-        EXPLAINING[name](runs).savefig(file, dpi=EXPLAINING_DPI)
+        drawn = EXPLAINING[name](runs)
+        with whole(file) as part:
+            drawn.savefig(part, format="png", dpi=EXPLAINING_DPI)
 
 
-def _report(made: Reproduction) -> None:
-    """Measure what the report tells, and write it."""
+def _find(made: Reproduction, only: Collection[str]) -> None:
+    """Check what the paper says; unless a figure alone is wanted, measure what it does not say."""
+    runs = made.runs[made.resolution]
+    said = [statement for statement in STATEMENTS if not only or statement.figure in only]
+    made.findings = [(it, it.check({name: runs[name] for name in it.needs})) for it in said]
+    if not only:
+        mains = [name for name in RESOLUTIONS if name in made.runs]
+        made.agreement = {name: agreement.agreements(made.runs[name]) for name in mains}
+        made.deviations = deviations.measured(made.runs["paper"], made.runs["causes"])
+
+
+def _write_report(made: Reproduction) -> None:
     from viscopoint.report.page import write_page
     from viscopoint.reproduction.page import page
 

@@ -52,7 +52,7 @@ def units_figure(runs: Mapping[str, Run]) -> Figure:
             radius, height = outline(run, run.snapshot(-1)).T
             line = np.r_[radius, -radius[::-1]], np.r_[height, height[::-1]]
             axis.plot(*line, color=colour, linestyle=dashes, linewidth=1.4, label=f"β = {decay}")
-        axis.axhline(-0.01, color="0.3", linewidth=1.0)
+        axis.axhline(-runs["mpm-650"].case.impact.gap, color="0.3", linewidth=1.0)
         axis.set(title=f"β in {unit}", xlabel="r (mm)", aspect="equal")
         axis.legend(loc="upper center", ncols=1, bbox_to_anchor=(0.5, 0.8))
     axes[0].set_ylabel("z (mm)")

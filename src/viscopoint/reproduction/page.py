@@ -39,8 +39,8 @@ def page(made: "Reproduction") -> Page:
 def _overview(made: "Reproduction") -> Section:
     seen = sum(found.seen for _, found in made.findings)
     verdicts = tuple(Verdict(f"{_name(said.figure)}: {said.words}", *found) for said, found in made.findings)
-    told = f"{seen} of {len(verdicts)} statements of the paper are seen at its own resolution."
-    told = told if made.resolution == "paper" else told.replace("its own resolution", "half its distances")
+    where = {"paper": "its own resolution", "fine": "half its distances"}[made.resolution]
+    told = f"{seen} of {len(verdicts)} statements of the paper are seen at {where}."
     return Section("What the paper says, and whether it is seen", (Paragraph(told), *verdicts))
 
 
@@ -99,7 +99,7 @@ def _decoding(made: "Reproduction") -> Section:
         "Points of a lattice centred on the axis, with points at half spacings inside the circle of 3.8 mm",
         ("spacing (mm)", *(f"{row.spacing:.2f}" for row in decoding.lattices())),
         (("points", *(f"{row.points:,}" for row in decoding.lattices())),),
-        "The paper has 21,172 points: 316 in each of 67 layers, 0.38 mm apart; in cells of 0.5 mm, 2.28 in a cell.",
+        f"The paper has {decoding.POINTS:,} points: 316 in each of 67 layers, 0.38 mm apart; 2.28 in a cell of 0.5 mm.",
     )
     ours, printed = (decoding.spread(runs, prefix) for prefix in ("mpm", "printed"))
     units = Table(

@@ -1,8 +1,12 @@
 """Runs many cases at the same time, a process for each core, and takes finished ones again."""
 
+import contextlib
 import multiprocessing
 import os
-from collections.abc import Callable, Iterable, Mapping
+import shutil
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -10,7 +14,9 @@ from typing import Any
 
 from viscopoint.case import Case
 from viscopoint.errors import InputError, ViscopointError
-from viscopoint.folder import CASE
+from viscopoint.folder import CASE, PROVENANCE, SUMMARY
+from viscopoint.output.fields import NAME as FIELDS
+from viscopoint.output.history import NAME as HISTORY
 from viscopoint.results import Run
 from viscopoint.sources import digest
 
@@ -18,6 +24,7 @@ Watch = Callable[[float, str], None]  # share done of the whole, what is going o
 PATIENCE = 0.1  # s between two looks at the progress
 
 _shares: Any = None  # in a worker: how far each run is, shared with the parent
+_stop: Any = None  # in a worker: set by the parent when nothing more is wanted
 
 
 class Pool:
@@ -31,14 +38,24 @@ class Pool:
         """Prepare for up to ``tasks`` runs; workers start when they are needed."""
         context = multiprocessing.get_context("spawn")
         self.shares: Any = context.Array("d", max(tasks, 1), lock=False)
+        self.begun: Any = context.Event()  # by the first worker that is ready
+        self.stop: Any = context.Event()
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-        self.executor = ProcessPoolExecutor(cores, mp_context=context, initializer=_begin, initargs=(self.shares,))
+        told = (self.begun, self.shares, self.stop)
+        self.executor = ProcessPoolExecutor(cores, mp_context=context, initializer=_begin, initargs=told)
 
     def __enter__(self) -> "Pool":
         return self
 
     def __exit__(self, kind: type | None, *rest: Any) -> None:
-        self.executor.shutdown(wait=True, cancel_futures=kind is not None)
+        if kind is not None:
+            self.stop.set()  # also for what goes on, and for what a worker has fetched already
+        try:
+            self.executor.shutdown(wait=True, cancel_futures=kind is not None)
+        except KeyboardInterrupt:  # a second time: at once
+            for worker in multiprocessing.active_children():
+                worker.kill()
+            raise
 
     def finish(self, cases: Mapping[str, Case], folder: Path, watch: Watch | None = None) -> dict[str, Run]:
         """Return a finished run of each case, kept in ``folder`` under its name: the one there, or a new one.
@@ -48,22 +65,26 @@ class Pool:
             InputError, OutputError: as ``run`` raises them.
         """
         missing = {name: case for name, case in cases.items() if not _is_finished(folder / name, case)}
-        futures = {
-            self.executor.submit(_simulate, place, case, folder / name): name
-            for place, (name, case) in enumerate(missing.items())
-        }
+        for name in missing:
+            _clear_remains(folder / name)
+        with _deaf_children():
+            futures = {
+                self.executor.submit(_simulate, place, case, folder / name): name
+                for place, (name, case) in enumerate(missing.items())
+            }
         self._wait(futures, watch)
         runs = {name: Run(folder / name) for name in cases}
         for name, run in runs.items():
             if run.status == "interrupted":
                 raise KeyboardInterrupt
             if run.status != "complete":
-                raise ViscopointError(f"run {name} did not end: {run.results.reason}; see {run.folder}")
+                raise ViscopointError(f"run {name} is {run.status}: {run.results.reason}; see {run.folder}")
         return runs
 
     def begin(self, function: Callable[..., Any], arguments: Iterable[tuple[Any, ...]]) -> Callable[[], None]:
         """Begin to call a function with each tuple of arguments; return what waits for the end."""
-        futures = {self.executor.submit(function, *words): "" for words in arguments}
+        with _deaf_children():
+            futures = {self.executor.submit(function, *words): "" for words in arguments}
         return lambda: self._wait(futures, None)
 
     def _wait(self, futures: Mapping[Future[Any], str], watch: Watch | None) -> None:
@@ -78,22 +99,48 @@ class Pool:
                     going_on = [futures[future] for future in futures if future.running() and not future.done()]
                     watch(sum(self.shares[: len(futures)]) / len(futures), ", ".join(going_on[: os.cpu_count()]))
         except BrokenProcessPool:
-            raise ViscopointError(
-                "a worker process was killed, perhaps for want of memory; what was finished stays"
-            ) from None
+            killed = "a worker process was killed, perhaps for want of memory; what was finished stays"
+            none = (
+                'no worker process could start; in a script, call from below `if __name__ == "__main__":`, from a file'
+            )
+            raise ViscopointError(killed if self.begun.is_set() else none) from None
         except BaseException:
             for future in left:
                 future.cancel()
             raise
 
 
-def _begin(shares: Any) -> None:
+@contextlib.contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach: the parent alone decides what ends."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _begin(begun: Any, shares: Any, stop: Any) -> None:
     """Prepare a worker."""
     import numba
 
-    global _shares  # the only way into a worker
-    _shares = shares
+    global _shares, _stop  # the only way into a worker
+    _shares, _stop = shares, stop
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     numba.set_num_threads(1)
+    begun.set()
+
+
+def _end_with_parent() -> None:
+    """Wait for the parent to be gone, even killed, and go too."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _simulate(place: int, case: Case, folder: Path) -> None:
@@ -102,8 +149,18 @@ def _simulate(place: int, case: Case, folder: Path) -> None:
 
     def watch(share: float, row: Any) -> None:
         _shares[place] = share
+        if _stop.is_set():
+            raise KeyboardInterrupt
 
-    run(case, folder, force=True, figures=False, watch=watch)
+    if not _stop.is_set():
+        run(case, folder, force=True, figures=False, watch=watch)
+
+
+def _clear_remains(folder: Path) -> None:
+    """Remove what a kill left of a run folder that was just being made or removed, and nothing else."""
+    own = {CASE, SUMMARY, HISTORY, FIELDS, ".try", f".{PROVENANCE}.part"}
+    if folder.is_dir() and {path.name for path in folder.iterdir()} <= own:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _is_finished(folder: Path, case: Case) -> bool:
@@ -113,6 +170,6 @@ def _is_finished(folder: Path, case: Case) -> bool:
     try:
         run = Run(folder)
         same = run.status == "complete" and run.provenance.get("sources") == digest() and run.case == case.resolved()
-        return same and len(run.times) == len(run.rows) and len(run.history) > 0
+        return same and len(run.times) == len(run.rows) and len(run.history) > 0 and run.snapshot(-1).time > 0.0
     except InputError:  # damaged, or of another version: to be made again
         return False

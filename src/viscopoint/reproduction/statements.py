@@ -91,10 +91,10 @@ def same_shapes(runs: Runs) -> Finding:
 
 @states("fig5", "β = 6.5: hardly any visible change", ["fem-6.5", "mpm-6.5"])
 def little_change(runs: Runs) -> Finding:
-    growth = _growth(runs, "6.5")
+    foot = _growth(runs, "6.5")
     bulge = [run.rows[-1].greatest_radius - run.case.rod.radius for run in runs.values()]
-    told = f"the foot grows by {_listed(growth, 2)} mm (FEM, MPM; {_a_cell()}); the widest place of the rod, above the "
-    return Finding(max(growth) < CELL, told + f"foot, by {_listed(bulge, 2)} mm")
+    told = f"the rod's widest place grows by {_listed(bulge, 2)} mm (FEM, MPM; {_a_cell()}), its foot by "
+    return Finding(max(bulge) < CELL, told + f"{_listed(foot, 2)} mm")
 
 
 @states("fig5", "clear growth at β = 65", ["fem-65", "mpm-65"])
@@ -131,7 +131,7 @@ def most_still_falls(runs: Runs) -> Finding:
     return Finding(
         large > 50.0 and large > small,
         f"{large:.0f} % of the rod's length still fall at the impact speed within a tenth at β = 650, {small:.0f} % "
-        f"at β = 6.5 (more than half is asked for); the foot that has slowed is {slowed[1]:.1f} mm long",
+        f"at β = 6.5 (a foot is less than half of the rod); the foot that has slowed is {slowed[1]:.1f} mm long",
     )
 
 

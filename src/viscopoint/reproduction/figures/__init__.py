@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from viscopoint.discovery import import_all
+from viscopoint.folder import whole
 from viscopoint.results import Run
 
 Draw = Callable[[Mapping[str, Run]], Figure]
@@ -71,7 +72,8 @@ def save(figure: Figure, file: Path) -> None:
     greys = [grey for grey in GREYS for _ in range(3)]
     palette = picture.quantize(256 - len(GREYS), Image.Quantize.MAXCOVERAGE)
     palette.putpalette((palette.getpalette() or [])[: 768 - len(greys)] + greys)
-    picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(file, optimize=True)
+    with whole(file) as part:
+        picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(part, format="PNG", optimize=True)
 
 
 import_all(__name__)

@@ -5,14 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from viscopoint.comparison import WINDOW, Comparison
 from viscopoint.comparison.axis import axial_velocity
 from viscopoint.comparison.outline import outline
-from viscopoint.figures import STYLE
-from viscopoint.folder import whole
+from viscopoint.figures import save_all
 from viscopoint.results import Run
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # told apart by any eye
@@ -29,14 +27,7 @@ TERMS = (
 
 def draw_all(comparison: Comparison, folder: Path) -> list[Path]:
     """Draw all figures into a folder and return their files."""
-    folder.mkdir(exist_ok=True)
-    files = []
-    with rc_context(STYLE):
-        for name, draw in FIGURES.items():
-            files.append(folder / f"{name}.png")
-            with whole(files[-1]) as part:
-                draw(comparison).savefig(part, format="png")
-    return files
+    return save_all(FIGURES, comparison, folder)
 
 
 def outlines(comparison: Comparison) -> Figure:

@@ -3,9 +3,9 @@
 A figure is a function of a ``Run`` that returns a Matplotlib figure, offered under the name of its PNG file.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
@@ -15,6 +15,8 @@ from viscopoint.folder import whole
 
 if TYPE_CHECKING:
     from viscopoint.results import Run
+
+T = TypeVar("T")
 
 FIGURES: dict[str, "Callable[[Run], Figure]"] = {}
 STYLE: Any = {
@@ -50,13 +52,18 @@ def offer(name: str) -> "Callable[[Callable[[Run], Figure]], Callable[[Run], Fig
 
 def draw_all(run: "Run", folder: Path) -> list[Path]:
     """Draw all figures of a run into a folder."""
+    return save_all(FIGURES, run, folder)
+
+
+def save_all(figures: Mapping[str, Callable[[T], Figure]], subject: T, folder: Path) -> list[Path]:
+    """Draw figures of something, each under its name, and return their files."""
     folder.mkdir(exist_ok=True)
     files = []
     with rc_context(STYLE):
-        for name, draw in FIGURES.items():
+        for name, draw in figures.items():
             files.append(folder / f"{name}.png")
             with whole(files[-1]) as part:
-                draw(run).savefig(part, format="png")
+                draw(subject).savefig(part, format="png")
     return files
 
 

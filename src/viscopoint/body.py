@@ -18,6 +18,13 @@ class Surface(NamedTuple):
     reach: float
 
 
+def half_height(body: "Body") -> float:
+    """Return how far the lowest material reaches below the lowest points [mm]."""
+    lowest, next_lowest = body.surface.foot.T
+    height = body.position[:, 2]
+    return body.surface.reach * float((height[next_lowest] - height[lowest]).mean())
+
+
 class Body(NamedTuple):
     """Points, material points or the nodes of a mesh, and what each stands for."""
 

@@ -6,6 +6,8 @@ import pytest
 import viscopoint as vp
 from viscopoint.case import merged
 from viscopoint.model import build
+from viscopoint.mpm.contacts.gated import Gated
+from viscopoint.mpm.contacts.nodes import Nodes
 from viscopoint.mpm.inputs import BoxInput, MPMInput
 from viscopoint.mpm.method import MaterialPointMethod
 from viscopoint.mpm.shapes.gimp import Gimp
@@ -87,7 +89,8 @@ def test_units_of_the_same_dimension_are_converted():
         ("material.decay", "650 ms", "wrong dimension"),
         ("material.law", "rubber", "allowed: elastic, elastic-plastic, linear-viscoelastic"),
         ("method.name", "sph", "allowed: fem, mpm"),
-        ("method.shape", "cubic", "allowed: gimp, trilinear"),
+        ("method.shape", "round", "allowed: cpgimp, cubic, gimp, quadratic, trilinear"),
+        ("method.contact", "glue", "allowed: gated, nodes"),
         ("method.fill", "ring", "did you mean 'rings'"),
         ("method.volume", "mean", "allowed: cell-mean, local"),
         ("method.scheme", "musll", "did you mean 'musl'"),
@@ -179,15 +182,18 @@ def test_default_box_reaches_from_the_wall_around_the_rod():
 
 
 def test_choices_of_the_material_point_method_reach_it():
-    names = {"method.shape": "gimp", "method.fill": "rings", "method.volume": "cell-mean"}
+    names = {"method.shape": "gimp", "method.fill": "rings", "method.volume": "cell-mean", "method.contact": "gated"}
     model = build(vp.Case.load("paper", names))
     assert isinstance(model.method, MaterialPointMethod)
     assert model.method.shape == Gimp(0.5 * 0.38 / 0.5)
     assert model.method.volume is CellMean
+    assert model.method.gate is Gated
     assert len(model.body.position) == 67 * 300
     plain = build(vp.Case.load("paper")).method
     assert isinstance(plain, MaterialPointMethod)
-    assert (plain.shape, plain.volume, len(plain.body.position)) == (Trilinear(), Local, 21_172)
+    assert (plain.shape, plain.volume, plain.gate) == (Trilinear(), Local, Nodes)
+    assert len(plain.body.position) == 21_172
+    assert len(plain.points.stretch) == 0  # which nobody asks for
 
 
 @pytest.mark.parametrize("text", ["rod = 3 3", "\x00", "[a]\n[a]", "a = " + "[" * 5000])
@@ -226,8 +232,9 @@ def test_schema_describes_every_key_of_the_paper_s_case():
     laws = schema["properties"]["material"]["discriminator"]["mapping"]
     assert "linear-viscoelastic-plastic" in laws
     mpm = schema["$defs"]["MPMInput"]["properties"]
-    assert {name: mpm[name]["enum"] for name in ("shape", "fill", "volume")} == {
-        "shape": ["gimp", "trilinear"],
+    assert {name: mpm[name]["enum"] for name in ("shape", "contact", "fill", "volume")} == {
+        "shape": ["cpgimp", "cubic", "gimp", "quadratic", "trilinear"],
+        "contact": ["gated", "nodes"],
         "fill": ["lattice", "rings"],
         "volume": ["cell-mean", "local"],
     }

@@ -20,6 +20,7 @@ from viscopoint.body import Body, Surface
 from viscopoint.laws.elastic import Elastic
 from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
 from viscopoint.method import Method
+from viscopoint.mpm.contacts import CONTACTS
 from viscopoint.mpm.fills.lattice import rod_lattice
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
@@ -76,6 +77,7 @@ def column(
     viscosity: tuple[float, float] = (0.0, 0.0),
     shape: str = "trilinear",
     volume: str = "local",
+    contact: str = "nodes",
 ) -> MaterialPointMethod:
     """Return a column with its foot on the plane z = 0, where ``velocity(z)`` is along z [mm/ms]."""
     cell = LENGTH / cells
@@ -91,6 +93,7 @@ def column(
         safety=safety,
         viscosity=BulkViscosity(*viscosity),
         volume=VOLUMES[volume],
+        contact=CONTACTS[contact],
     )
     start = np.zeros((len(body.position), 3))
     start[:, 2] = velocity(body.position[:, 2])
@@ -112,12 +115,14 @@ def rod(
     body: Body | None = None,
     shape: str = "trilinear",
     volume: str = "local",
+    contact: str = "nodes",
 ) -> MaterialPointMethod:
     """Return a viscoelastic rod of 2 mm radius, or another law or body, ``lift`` above the plane z = 0."""
     body = body or rod_lattice(2.0, HEIGHT, cell / 2)
     body = body._replace(position=body.position + [0.0, 0.0, lift])
     fitted, damping = SHAPES[shape].fitted(0.5), BulkViscosity(*viscosity)
-    choices = Discretisation(cell, box, fitted, SCHEMES[scheme], pic, safety, damping, VOLUMES[volume])
+    scheme_and_rest = SCHEMES[scheme], pic, safety, damping, VOLUMES[volume], CONTACTS[contact]
+    choices = Discretisation(cell, box, fitted, *scheme_and_rest)
     return MaterialPointMethod(body, law or viscoelastic(65.0), walls, choices, velocity)
 
 

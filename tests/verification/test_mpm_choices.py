@@ -18,7 +18,10 @@ from viscopoint.wall import RigidWall
 pytestmark = pytest.mark.usefixtures("one_thread")
 THREADS = numba.get_num_threads()
 ROUNDING = 100 * np.finfo(float).eps
-NEW = [names for names in product(sorted(SHAPES), sorted(VOLUMES)) if names != ("trilinear", "local")]
+NEW = [
+    *((shape, "local") for shape in sorted(SHAPES) if shape != "trilinear"),
+    *product(("trilinear", "gimp"), sorted(set(VOLUMES) - {"local"})),
+]
 PARTS = pytest.mark.parametrize(("shape", "volume"), NEW)
 FILL = pytest.mark.parametrize("fill", sorted(FILLS))
 SCHEME = pytest.mark.parametrize("scheme", sorted(SCHEMES))

@@ -11,8 +11,10 @@ from viscopoint.arrays import Indices
 from viscopoint.laws.elastic import Elastic
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
+from viscopoint.mpm.points import at_rest
 from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES, stencil
+from viscopoint.mpm.shapes import SHAPES, along, stencil
+from viscopoint.mpm.shapes.cpgimp import WIDEST, ContiguousGimp
 from viscopoint.mpm.shapes.gimp import Gimp
 from viscopoint.mpm.shapes.trilinear import LEAST
 from viscopoint.mpm.transfers import scatter_momentum_and_force
@@ -53,9 +55,16 @@ def test_weights_are_a_partition_of_unity_and_reproduce_linear_fields(name: str,
         assert_allclose(slopes @ nodes, 1.0, atol=10 * ROUNDING)
 
 
-@pytest.mark.parametrize("width", WIDTHS)
-def test_gimp_averages_hat_functions_over_the_point_s_box(width: float) -> None:
-    shape = Gimp.fitted(width)
+@pytest.mark.parametrize(
+    ("kind", "width"),
+    [
+        *((kind, width) for kind in (Gimp, ContiguousGimp) for width in WIDTHS),
+        (ContiguousGimp, 1.4),
+        (ContiguousGimp, 2.0),
+    ],
+)
+def test_gimp_averages_hat_functions_over_the_point_s_box(kind: Any, width: float) -> None:
+    shape = kind.fitted(width)
     for place in places(width):
         nodes, weights, slopes = acts(shape, place)
         ends = np.array([place - width / 2, place + width / 2])
@@ -72,7 +81,7 @@ def hat(s: Array) -> Array:
     return np.maximum(1 - np.abs(s), 0)
 
 
-@pytest.mark.parametrize(("name", "jump"), [("gimp", 0.0), ("trilinear", 1.0)])
+@pytest.mark.parametrize(("name", "jump"), [("gimp", 0.0), ("cpgimp", 0.0), ("trilinear", 1.0)])
 def test_slope_is_continuous_across_cells_with_gimp_only(name: str, jump: float) -> None:
     width, step = 0.76, 1e-6
     shape, found = SHAPES[name].fitted(width), 0.0
@@ -98,7 +107,7 @@ def uneven(shape: str, blocks: int, ends: tuple[Symmetry, ...] = (), law: Elasti
     return MaterialPointMethod(body, law, ends, choices, (0.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize(("shape", "left"), [("gimp", 0.0), ("trilinear", UNEVEN)])
+@pytest.mark.parametrize(("shape", "left"), [("gimp", 0.0), ("cpgimp", 0.0), ("trilinear", UNEVEN)])
 def test_uniform_stress_pulls_at_inner_nodes_of_an_uneven_lattice_without_gimp(shape: str, left: float) -> None:
     """A cell with one layer of points, 3/4 cell thick, beside one with two: 3/4 of the pressure is left over."""
     pressure = 7.0
@@ -114,7 +123,40 @@ def test_uniform_stress_pulls_at_inner_nodes_of_an_uneven_lattice_without_gimp(s
     assert_allclose(across.sum(), 0.0, atol=ROUNDING * 72 * pressure)
 
 
-@pytest.mark.parametrize(("shape", "stiffness"), [("gimp", 1.0), ("trilinear", 3 / (4 / 3 + 2 / 3 + 4 / 3))])
+@pytest.mark.parametrize(("shape", "even"), [("gimp", False), ("cpgimp", True)])
+@pytest.mark.parametrize("stretch", [0.8, 1.5])
+def test_uniform_stress_pulls_at_no_inner_node_of_a_stretched_lattice_with_boxes_that_follow(
+    shape: str, even: bool, stretch: float
+) -> None:
+    """At 4/5 of their distance undeformed boxes overlap, at 3/2 they leave gaps: some nodes get more than others."""
+    pressure = 7.0
+    method, middle = uneven(shape, 3), 4.5
+    points = method.points
+    points.position[:, 2] = (points.position[:, 2] - middle) * stretch + middle
+    points.jacobian[:] = stretch
+    points.stretch[:, 2:] = stretch
+    points.stress[:, :3] = -pressure
+    method.restore(method.state())  # finds the points' cells
+    grid = method.fresh_grid()
+    scatter_momentum_and_force(points, grid, method.shape, method.pressed())
+    across = grid.change[:, 2].reshape(int(grid.nz), -1).sum(axis=1)
+    height = grid.z0 + grid.cell * (grid.k0 + np.arange(len(across)))
+    inside = np.abs(height - middle) < middle * stretch - 1.5
+    assert inside.sum() >= 2
+    found = np.abs(across[inside]).max() / (9.0 * pressure)
+    assert found < 72 * ROUNDING if even else found > 0.04
+
+
+def test_box_of_a_point_follows_its_stretch_to_two_cells() -> None:
+    points, shape = at_rest(np.zeros((2, 3)), np.ones(2), np.ones(2), 0), ContiguousGimp.fitted(0.8)
+    points = points._replace(stretch=np.array([[0.5, 1.0, 2.0], [3.0, 1.5, 1.0]]))
+    half = np.array([[along(shape, points, p, axis).half for axis in range(3)] for p in range(2)])
+    assert_allclose(half, [[0.2, 0.4, 0.8], [WIDEST, 0.6, 0.4]], rtol=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("shape", "stiffness"), [("gimp", 1.0), ("cpgimp", 1.0), ("trilinear", 3 / (4 / 3 + 2 / 3 + 4 / 3))]
+)
 def test_waves_run_too_slowly_through_an_uneven_lattice_without_gimp(shape: str, stiffness: float) -> None:
     """A cell is as stiff as it has points: 3/4, 3/2, 3/4 of what it should be, one after the other.
 
@@ -143,7 +185,7 @@ def test_waves_run_too_slowly_through_an_uneven_lattice_without_gimp(shape: str,
 
 
 def test_lattice_begins_outside_the_box_only_for_what_reaches_there() -> None:
-    for shape, cells in (("trilinear", 0), ("gimp", 1)):
+    for shape, cells in (("trilinear", 0), ("gimp", 1), ("cpgimp", 1), ("quadratic", 1), ("cubic", 1)):
         grid = rod(shape=shape).grid
         assert (grid.x0, grid.y0, grid.z0) == tuple(low - cells * CELL for low in BOX.low)
 

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from viscopoint.laws.elastic import Elastic
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import MaterialPointMethod
+from viscopoint.mpm.shapes import SHAPES
 from viscopoint.mpm.transfers import scatter_momentum_and_force
 from viscopoint.mpm.volumes import VOLUMES, pull
 from viscopoint.tensors import components
@@ -48,7 +49,7 @@ def swirl(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
     return x + 2 * y + noise[0], z * y + noise[1], x * z + noise[2]
 
 
-@pytest.mark.parametrize("shape", ["trilinear", "gimp"])
+@pytest.mark.parametrize("shape", sorted(SHAPES))
 @pytest.mark.parametrize("volume", sorted(VOLUMES))
 def test_uniform_strain_gives_uniform_stress(volume: str, shape: str) -> None:
     slope, dt = np.random.default_rng(7).normal(size=(3, 3)), 1e-2

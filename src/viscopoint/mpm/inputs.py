@@ -8,6 +8,7 @@ from pydantic import Field
 from viscopoint.body import Body
 from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
 from viscopoint.laws import Law
+from viscopoint.mpm.contacts import CONTACTS
 from viscopoint.mpm.fills import FILLS
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
@@ -42,6 +43,7 @@ class MPMInput(MethodInput):
     shape: one_of(SHAPES) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
     scheme: one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
     volume: one_of(VOLUMES) = "local"  # pyright: ignore[reportInvalidTypeForm]
+    contact: one_of(CONTACTS) = "nodes"  # pyright: ignore[reportInvalidTypeForm]
     pic_fraction: float = Field(default=0.0, ge=0, le=1)
     safety: float = Field(default=0.2, gt=0, le=1)
     box: BoxInput | None = None
@@ -82,6 +84,7 @@ class MPMInput(MethodInput):
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
             volume=VOLUMES[self.volume],
+            contact=CONTACTS[self.contact],
         )
         motion = (0.0, 0.0, -impact.speed)
         return MaterialPointMethod(self.body(rod), law, (impact.boundary(),), choices, motion)

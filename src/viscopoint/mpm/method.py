@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viscopoint.arrays import Array, Rows
-from viscopoint.body import Body
+from viscopoint.body import Body, half_height
 from viscopoint.laws import Law, step_factors
 from viscopoint.method import Advice, Field, Totals, history_fields, von_mises_of
-from viscopoint.mpm.contact import touch
+from viscopoint.mpm.contact import touch, walls_around
+from viscopoint.mpm.contacts import Contact
+from viscopoint.mpm.contacts.nodes import Nodes
 from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, forget_force, forget_momentum, lattice
 from viscopoint.mpm.points import Points, at_rest
 from viscopoint.mpm.schemes import Scheme
@@ -33,6 +35,7 @@ class Discretisation:
     safety: float  # share of the critical step to take
     viscosity: BulkViscosity
     volume: type[Volume] = Local  # of ``mpm.volumes``
+    contact: type[Contact] = Nodes  # of ``mpm.contacts``
 
 
 class MaterialPointMethod:
@@ -59,17 +62,20 @@ class MaterialPointMethod:
     ) -> None:
         self.body, self.law, self.boundaries = body, law, boundaries
         self.box, self.scheme, self.safety = choices.box, choices.scheme, choices.safety
-        self.shape, self.pic = choices.shape, choices.pic
+        self.pic, self.gate, self.half_height = choices.pic, choices.contact, half_height(body)
         self.viscosity, self.volume = choices.viscosity, choices.volume
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
         self.points: Points = at_rest(body.position, law.density * body.volume, body.volume, len(self.blank))
         self.points.velocity[:] = velocity
+        if choices.shape.stretches or choices.contact.stretches:
+            self.points = self.points._replace(stretch=np.ones((len(body.position), 3)))
         self.grid: Grid = lattice(choices.box, choices.cell, len(body.position), choices.shape.overhang)
         fastest = float(np.linalg.norm(self.points.velocity, axis=1).max())
         self.grid.critical[:] = choices.cell / (signal_speed(self.sound, 0.0) + fastest)
         self.tally = np.zeros(TALLY)  # of all boundaries, since the start
         self.middle = tuple(body.position.mean(axis=0))
+        self.shape: Shape = choices.shape.walled(*walls_around(boundaries, self.grid, self.middle))
         self._sort()
 
     def stable_step(self) -> float:
@@ -93,12 +99,18 @@ class MaterialPointMethod:
     def contact(self, grid: Grid) -> None:
         """Let the boundaries act on the body through the nodes, and keep account of it."""
         for boundary in self.boundaries:
-            self.tally += touch(boundary, grid, self.middle)
+            self.tally += touch(self._gate(boundary, grid), boundary, grid, self.middle)
 
     def hold(self, grid: Grid) -> None:
         """Hold the nodes where strain is taken; points do not feel it, so no account is kept."""
         for boundary in self.boundaries:
-            touch(boundary, grid, self.middle)
+            touch(self._gate(boundary, grid), boundary, grid, self.middle)
+
+    def _gate(self, boundary: RigidWall | Symmetry, grid: Grid) -> Contact:
+        """Return where a boundary acts: planes of symmetry everywhere."""
+        if isinstance(boundary, Symmetry):
+            return Nodes()
+        return self.gate.at(boundary, self.points, grid, self.shape, self.half_height)
 
     def pressed(self) -> Volume:
         """Return how the points' pressures act on the nodes of this step."""

@@ -24,6 +24,7 @@ class Points(NamedTuple):
     history: Array  # [p, h], the law's
     dissipated: Array  # [p], by the law per reference volume, mJ/mm^3
     viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
+    stretch: Array  # [p, 3], of the material along x, y and z; no rows where nobody asks for it
 
 
 def at_rest(position: Array, mass: Array, volume: Array, history_size: int) -> Points:
@@ -41,4 +42,5 @@ def at_rest(position: Array, mass: Array, volume: Array, history_size: int) -> P
         history=np.zeros((count, history_size)),
         dissipated=np.zeros(count),
         viscous_loss=np.zeros(count),
+        stretch=np.ones((0, 3)),
     )

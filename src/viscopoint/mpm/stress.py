@@ -38,19 +38,25 @@ def update_points(
     """
     jacobian, viscous, critical = points.jacobian, points.viscous_pressure, grid.critical
     dissipated, viscous_loss = points.dissipated, points.viscous_loss
+    stretch, stretches = points.stretch, len(points.stretch) > 0
     scale, per_dt = dt * grid.per_cell, 1.0 / dt
     for slab in prange(len(grid.start) - 2):
         fastest = 0.0
         for q in range(grid.start[slab], grid.start[slab + 1]):
             p = grid.order[q]
             at = around(points, p, grid, shape)
-            strain, turn, ratio = increments(gradient(grid.velocity, grid, at, scale))
+            moved = gradient(grid.velocity, grid, at, scale)
+            strain, turn, ratio = increments(moved)
             strain, ratio = dilated(volume, points, p, grid, strain, ratio)
             before, after = jacobian[p], jacobian[p] * ratio
             stress, history, loss = update_stress(
                 law, factors, strain, turn, after, read(points.stress[p]), load(points.history[p], blank)
             )
             jacobian[p] = after
+            if stretches:
+                stretch[p, 0] *= 1.0 + moved.xx
+                stretch[p, 1] *= 1.0 + moved.yy
+                stretch[p, 2] *= 1.0 + moved.zz
             write(points.stress[p], stress)
             store(points.history[p], history)
             dissipated[p] += after * loss

@@ -8,7 +8,7 @@ from viscopoint.arrays import Array
 from viscopoint.jit import inline
 from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.points import Points
-from viscopoint.mpm.shapes import Weights, stencil
+from viscopoint.mpm.shapes import Weights, along, stencil
 from viscopoint.tensors import Matrix, Sym
 
 
@@ -27,9 +27,9 @@ class Support(NamedTuple):
 @inline
 def around(points: Points, p: int, grid: Grid, shape: Any) -> Support:
     """Return the nodes on which point p acts."""
-    i, wx, dx = stencil(shape, (points.position[p, 0] - grid.x0) * grid.per_cell)
-    j, wy, dy = stencil(shape, (points.position[p, 1] - grid.y0) * grid.per_cell)
-    k, wz, dz = stencil(shape, (points.position[p, 2] - grid.z0) * grid.per_cell)
+    i, wx, dx = stencil(along(shape, points, p, 0), (points.position[p, 0] - grid.x0) * grid.per_cell)
+    j, wy, dy = stencil(along(shape, points, p, 1), (points.position[p, 1] - grid.y0) * grid.per_cell)
+    k, wz, dz = stencil(along(shape, points, p, 2), (points.position[p, 2] - grid.z0) * grid.per_cell)
     return Support((k * grid.ny + j) * grid.nx + i - grid.shift, wx, wy, wz, dx, dy, dz)
 
 

@@ -1,7 +1,7 @@
 """Shape functions of the background grid: one short file each, found by itself.
 
-A shape function is a NamedTuple (of its parameters, if it has any), offered under the name that a case uses, and an
-implementation of ``stencil``. The three axes are independent: N(x, y, z) = N(x) N(y) N(z).
+A shape function is a NamedTuple (of its parameters, if it has any), offered under the name that a case uses, and
+implementations of ``stencil`` and ``along``. The three axes are independent: N(x, y, z) = N(x) N(y) N(z).
 """
 
 from collections.abc import Callable
@@ -9,13 +9,16 @@ from typing import Any, Protocol, Self, TypeVar
 
 from viscopoint.discovery import import_all
 from viscopoint.jit import generic
+from viscopoint.mpm.points import Points
 
 T = TypeVar("T")
 Weights = tuple[float, ...]
+Planes = tuple[int, int]  # counted from the grid's first node: where walls stand below and above the body
+NOWHERE = -1  # the plane of a wall that is not there
 
 
 class Shape(Protocol):
-    """What the method asks of a shape function beside ``stencil``."""
+    """What the method asks of a shape function beside ``stencil`` and ``along``."""
 
     @classmethod
     def fitted(cls, width: float) -> Self:
@@ -25,6 +28,15 @@ class Shape(Protocol):
     @property
     def overhang(self) -> int:
         """How many nodes before its own cell's first one a point may act on, along each axis."""
+        ...
+
+    @property
+    def stretches(self) -> bool:
+        """Whether points need to know their ``stretch``."""
+        ...
+
+    def walled(self, x: Planes, y: Planes, z: Planes) -> Self:
+        """Return the shape function of a lattice with walls on these planes of nodes."""
         ...
 
 
@@ -42,6 +54,12 @@ def stencil(shape: Any, place: float) -> tuple[int, Weights, Weights]:
     Returns:
         The first node (uint64), the weights of it and its successors, and their slopes per cell.
     """
+    raise NotImplementedError
+
+
+@generic
+def along(shape: Any, points: Points, p: int, axis: int) -> Any:
+    """Return the shape function, for ``stencil``, that point p has along an axis."""
     raise NotImplementedError
 
 

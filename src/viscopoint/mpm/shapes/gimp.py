@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from viscopoint.jit import implements
-from viscopoint.mpm.shapes import Weights, offer, stencil
+from viscopoint.mpm.points import Points
+from viscopoint.mpm.shapes import Planes, Weights, along, offer, stencil
 
 
 @offer("gimp")
@@ -30,6 +31,13 @@ class Gimp(NamedTuple):
     def overhang(self) -> int:
         return 1
 
+    @property
+    def stretches(self) -> bool:
+        return False
+
+    def walled(self, x: Planes, y: Planes, z: Planes) -> "Gimp":
+        return self
+
 
 @implements(stencil, Gimp)
 def averaged(shape: Gimp, place: float) -> tuple[np.uint64, Weights, Weights]:
@@ -42,3 +50,8 @@ def averaged(shape: Gimp, place: float) -> tuple[np.uint64, Weights, Weights]:
     before = 0.5 * per_width * (down + low_down) * (down - low_down)
     rises, falls = per_width * (up - low_up), per_width * (down - low_down)
     return first, (before, 1.0 - before - after, after), (-falls, falls - rises, rises)
+
+
+@implements(along, Gimp)
+def everywhere(shape: Gimp, points: Points, p: int, axis: int) -> Gimp:
+    return shape

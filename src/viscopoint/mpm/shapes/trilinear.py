@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from viscopoint.jit import implements
-from viscopoint.mpm.shapes import Weights, offer, stencil
+from viscopoint.mpm.points import Points
+from viscopoint.mpm.shapes import Planes, Weights, along, offer, stencil
 
 
 @offer("trilinear")
@@ -20,6 +21,13 @@ class Trilinear(NamedTuple):
     def overhang(self) -> int:
         return 0
 
+    @property
+    def stretches(self) -> bool:
+        return False
+
+    def walled(self, x: Planes, y: Planes, z: Planes) -> "Trilinear":
+        return self
+
 
 # A point on a node would give no mass to its neighbour beyond, which still enters the gradient and would seem at rest.
 # So no weight is zero: the neighbour of nearly no mass moves like the point, as it does for points beside the node.
@@ -31,3 +39,8 @@ def linear(shape: Trilinear, place: float) -> tuple[np.uint64, Weights, Weights]
     first = np.uint64(place)
     beyond = max(place - first, LEAST)
     return first, (1.0 - beyond, beyond), (-1.0, 1.0)
+
+
+@implements(along, Trilinear)
+def everywhere(shape: Trilinear, points: Points, p: int, axis: int) -> Trilinear:
+    return shape

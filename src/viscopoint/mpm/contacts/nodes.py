@@ -1,0 +1,30 @@
+"""Nodes of the wall's plane are held as soon as they carry mass: the paper's.
+
+Material then feels the wall before it is there, from as far away as shape functions reach.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from viscopoint.jit import implements
+from viscopoint.mpm.contacts import closed, offer
+from viscopoint.mpm.grid import Grid
+from viscopoint.mpm.points import Points
+from viscopoint.wall import RigidWall
+
+
+@offer("nodes")
+class Nodes(NamedTuple):
+    """Nothing to look at."""
+
+    stretches = False
+
+    @classmethod
+    def at(cls, wall: RigidWall, points: Points, grid: Grid, shape: Any, half: float) -> "Nodes":
+        return cls()
+
+
+@implements(closed, Nodes)
+def always(contact: Nodes, node: np.uint64) -> bool:
+    return True

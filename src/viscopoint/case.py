@@ -18,6 +18,7 @@ from viscopoint.folder import is_file
 from viscopoint.inputs import Guards, Impact, Material, MethodInput, Output, Rod, Table, Time
 from viscopoint.mpm.inputs import MPMInput
 from viscopoint.rules import broken
+from viscopoint.tlmpm.inputs import TotalLagrangianInput
 
 LONGEST_FILE = 1_000_000  # bytes
 
@@ -30,8 +31,12 @@ def _materials(base: type[Material] = Material) -> Iterator[type[Material]]:
         yield from _materials(derived)
 
 
-METHODS: dict[str, type[MPMInput] | type[FEMInput]] = {"mpm": MPMInput, "fem": FEMInput}
-AnyMethod = Annotated[MPMInput | FEMInput, Field(discriminator="name")]
+METHODS: dict[str, type[MPMInput] | type[FEMInput] | type[TotalLagrangianInput]] = {
+    "mpm": MPMInput,
+    "fem": FEMInput,
+    "tlmpm": TotalLagrangianInput,
+}
+AnyMethod = Annotated[MPMInput | FEMInput | TotalLagrangianInput, Field(discriminator="name")]
 AnyMaterial = Annotated[Union[tuple(dict.fromkeys(_materials()))], Field(discriminator="law")]  # noqa: UP007
 
 
@@ -54,7 +59,7 @@ class Case(Table):
         Args:
             source: such as "paper", or "my/case.toml".
             changes: values by dotted key, such as ``{"rod.radius": "4 mm"}``, put over those of the file.
-            method: "mpm" or "fem", to use in place of the case's own at the same distance of points or nodes.
+            method: "mpm", "fem" or "tlmpm", to use in place of the case's own at the same distance of points or nodes.
 
         Raises:
             InputError: there is no such case, or it is not TOML.

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from viscopoint.case import Case
 from viscopoint.cli import app
 from viscopoint.fem.inputs import FEMInput
+from viscopoint.tlmpm.inputs import TotalLagrangianInput
 
 QUICK = [
     "--set",
@@ -184,6 +185,17 @@ def test_starter_case_shows_the_finite_element_method_as_the_alternative(tmp_pat
     assert Case.from_tables(case | shown) == Case.from_tables(case | kept).resolved()
     assert kept["method"] == {"name": "fem", "size": "0.38 mm"}
     assert set(shown["method"]) | {"mesh"} == set(FEMInput.model_fields)
+
+
+def test_starter_case_shows_the_total_lagrangian_method_as_another(tmp_path: Path):
+    file = tmp_path / "mine.toml"
+    call("new", file)
+    table = [line[4:] for line in file.read_text().splitlines() if line.startswith("### ")]
+    shown, kept = (tomllib.loads(text) for text in (uncommented(table, besides="#none"), "\n".join(table)))
+    case = Case.load(file).to_tables()
+    assert Case.from_tables(case | shown) == Case.from_tables(case | kept)
+    assert kept["method"] == {"name": "tlmpm", "spacing": "0.38 mm", "cell": "0.76 mm"}
+    assert set(shown["method"]) == set(TotalLagrangianInput.model_fields)
 
 
 def test_ctrl_c_ends_with_code_130_and_keeps_what_was_computed(tmp_path: Path):

@@ -133,7 +133,7 @@ def test_what_both_methods_share_is_kept_when_the_method_is_changed(tmp_path: Pa
 
 def test_schema_describes_both_methods():
     schema = vp.Case.file_schema()
-    assert set(schema["properties"]["method"]["discriminator"]["mapping"]) == {"mpm", "fem"}
+    assert set(schema["properties"]["method"]["discriminator"]["mapping"]) == {"mpm", "fem", "tlmpm"}
     keys = schema["$defs"]["FEMInput"]["properties"]
     assert {"size", "grading", "mesh", "mesh_unit", "element", "hourglass", "delete_below", "safety"} <= set(keys)
     assert keys["element"]["enum"] == ["one-point", "selective"]

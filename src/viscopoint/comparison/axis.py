@@ -28,7 +28,7 @@ def layer_velocity(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:
 
 def _by_layer(run: Run, snapshot: Snapshot, chosen: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
     """Return heights at the start and now, and mean axial velocity, of layers of points that started level."""
-    chosen = chosen & (snapshot["lost"] == 0)
+    chosen = chosen & (snapshot["lost"] == 0) & (run.body.volume > 0.0)  # not what only shows the surface
     spacing = _spacing(run)
     layers, layer = np.unique(np.round(run.body.position[chosen, 2] / spacing, 6), return_inverse=True)
     weight = run.body.volume[chosen]

@@ -29,7 +29,7 @@ def paint(axis: Any, run: Run, snapshot: Snapshot, points: Indices, seen: Array,
     """Draw points in their axial velocity, the far ones first, so that they cover what is behind."""
     order = points[np.argsort(-seen[points, 2])]
     order = order[snapshot["lost"][order] == 0]
-    width = np.full(len(order), COVER * np.cbrt(run.body.volume[0]))
+    width = np.full(len(order), COVER * np.cbrt(np.median(run.body.volume)))
     axis.add_collection(
         EllipseCollection(
             width, width, np.zeros_like(width), units="xy", offsets=seen[order, :2], offset_transform=axis.transData,

@@ -40,7 +40,7 @@ def skin_of_points(body: Body, coarser: int = 1) -> Skin:
     surface = body.surface
     every = np.concatenate([surface.ring.ravel(), surface.tail[:, 0], surface.foot[:, 0]])
     points = np.unique(every[every >= 0])
-    edge = coarser * float(np.cbrt(body.volume[points].mean()))
+    edge = coarser * float(np.cbrt(np.median(body.volume)))
     if coarser > 1:
         block = np.floor(body.position[points] / edge + 1e-6)
         points = points[np.sort(np.unique(block, axis=0, return_index=True)[1])]

@@ -1,0 +1,1 @@
+"""The total Lagrangian material point method (de Vaucorbeil, Nguyen & Hutchinson 2020)."""

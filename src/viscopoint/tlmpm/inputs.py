@@ -1,0 +1,100 @@
+"""The ``[method]`` table of the total Lagrangian material point method."""
+
+import math
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from viscopoint.body import Body
+from viscopoint.inputs import Impact, MethodInput, Rod, machine_memory, one_of
+from viscopoint.laws import Law
+from viscopoint.mpm.shapes import SHAPES
+from viscopoint.rules import rule
+from viscopoint.tlmpm.filling import FILLING, watched
+from viscopoint.tlmpm.method import Discretisation, TotalLagrangianMethod
+from viscopoint.tlmpm.volumes import VOLUMES
+from viscopoint.units import Length
+
+NODAL = ("trilinear", "gimp")  # of the shape functions those that see nothing of the body beyond its plane of nodes
+BYTES_PER_POINT = 900  # points, grid, one snapshot being written: a generous count
+
+
+class TotalLagrangianInput(MethodInput):
+    """``name = "tlmpm"``."""
+
+    name: Literal["tlmpm"]
+    spacing: Length
+    cell: Length
+    layers: int = Field(default=1, ge=1, le=100)  # of points in a cell's height
+    fill: one_of(FILLING) = "trimmed"  # pyright: ignore[reportInvalidTypeForm]
+    shape: one_of(NODAL) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
+    volume: one_of(VOLUMES) = "cell-mean"  # pyright: ignore[reportInvalidTypeForm]
+    safety: float = Field(default=0.9, gt=0, le=1)
+
+    def resolution(self) -> float:
+        return self.spacing
+
+    @classmethod
+    def at_resolution(cls, distance: float) -> dict[str, Any]:
+        return {"name": "tlmpm", "spacing": f"{distance!r} mm", "cell": f"{2.0 * distance!r} mm"}
+
+    def completed(self, rod: Rod, impact: Impact) -> Self:
+        return self
+
+    def body(self, rod: Rod) -> Body:
+        """Return the rod's points, and those of no volume on its surface."""
+        body = FILLING[self.fill](rod.radius, rod.length, self.spacing)
+        low, high = body.position[body.surface.foot[0, 0], 2], body.position[body.surface.tail[0, 0], 2]
+        return watched(body, float(low + high), self.spacing)
+
+    def build(self, rod: Rod, impact: Impact, law: Law) -> TotalLagrangianMethod:
+        """Return the rod as material points on their way to the wall."""
+        body = self.body(rod)
+        layer = np.unique(body.position[body.volume > 0.0, 2])
+        height = self.layers * float(layer[1] - layer[0])
+        choices = Discretisation(
+            cell=(self.cell, self.cell, height),
+            shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
+            volume=VOLUMES[self.volume],
+            safety=self.safety,
+            viscosity=self.bulk_viscosity.build(),
+        )
+        motion = (0.0, 0.0, -impact.speed)
+        return TotalLagrangianMethod(body, law, (impact.boundary(),), choices, motion)
+
+
+@rule("method.cell", "method.spacing", "method.name")
+def cell_of_whole_spacings(cell: float, spacing: float, name: str) -> str | None:
+    ratio = cell / spacing
+    if name != "tlmpm" or (round(ratio) >= 2 and abs(ratio - round(ratio)) < 1e-6):
+        return None
+    told = f"{cell:g} mm is {ratio:.4g} times method.spacing, {spacing:g} mm"
+    return f"{told}; points that fill cells evenly need a whole number of them, 2 or more"
+
+
+@rule("method.cell", "rod.radius", "method.name")
+def cell_in_the_rod(cell: float, radius: float, name: str) -> str | None:
+    if name != "tlmpm" or 1.4 * cell <= radius or cell > radius:
+        return None
+    return (
+        f"{cell:g} mm leaves no whole cells in the rod: rod.radius is {radius:g} mm; take at most {radius / 1.4:.3g} mm"
+    )
+
+
+@rule("method.spacing", "method.layers", "rod.length", "method.name")
+def two_cells_in_length(spacing: float, layers: int, length: float, name: str) -> str | None:
+    if name != "tlmpm" or 2 * layers * spacing <= length:
+        return None
+    return f"{spacing:g} mm, {layers} to a cell, leaves no two cells in rod.length, {length:g} mm"
+
+
+@rule("method.spacing", "rod.radius", "rod.length", "method.name")
+def points_in_memory(spacing: float, radius: float, length: float, name: str) -> str | None:
+    if name != "tlmpm":
+        return None
+    points = math.pi * radius**2 * length / spacing**3
+    needed, there = points * BYTES_PER_POINT / 2**30, machine_memory() / 2**30
+    if needed <= there:
+        return None
+    return f"{spacing:g} mm gives {points:.1e} points, about {needed:.3g} GiB; there are {there:.3g}: take a larger one"

@@ -1,0 +1,101 @@
+"""The background grid of the undeformed body: bricks whose nodes are where they are for good.
+
+A plane of nodes is the body's foot. Points are sorted once into slabs of ``SLAB`` layers of cells; slabs of one colour
+(even, odd) share no node, so that threads add to nodes without atomics and every node sums its points in the same
+order, whatever the thread count.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viscopoint.arrays import Array, Indices
+from viscopoint.jit import inline, serial_kernel
+from viscopoint.mpm.grid import SLAB
+from viscopoint.mpm.shapes import stencil
+from viscopoint.mpm.support import Support
+from viscopoint.tlmpm.points import Points
+
+MARGIN = 3  # nodes beyond the outermost points: what shape functions reach, and what only extends the body
+
+
+class Lattice(NamedTuple):
+    """Nodes of a block of cells around the undeformed body, and the order in which kernels visit the points."""
+
+    x0: float  # of a node, mm
+    y0: float
+    z0: float
+    per_x: float  # 1/h along each axis, 1/mm
+    per_y: float
+    per_z: float
+    i0: float  # index of that node along each axis
+    j0: float
+    k0: float
+    nx: np.uint64  # nodes along x
+    ny: np.uint64
+    velocity: Array  # [n, 4], of the nodes, mm/ms, the fourth column unused
+    force: Array  # [n, 4], of the points, N, the fourth column unused
+    order: NDArray[np.uint64]  # [p], points sorted by slab
+    start: Indices  # [slabs + 1], where each slab begins in ``order``
+
+
+def around_body(reference: Array, cell: tuple[float, float, float], origin: tuple[float, float, float]) -> Lattice:
+    """Return the grid of bricks ``cell`` [mm] with a node at ``origin`` that holds all points."""
+    per_cell = 1.0 / np.array(cell)
+    place = (reference - origin) * per_cell
+    first = MARGIN - np.floor(place.min(axis=0))
+    nx, ny, nz = (np.floor(place.max(axis=0)) + first + 1 + MARGIN).astype(int)
+    slab = (place[:, 2] + first[2]).astype(int) // SLAB
+    scalars = [float(value) for value in (*origin, *per_cell, *first)]
+    return Lattice(
+        *scalars,
+        nx=np.uint64(nx),
+        ny=np.uint64(ny),
+        velocity=np.zeros((nx * ny * nz, 4)),
+        force=np.zeros((nx * ny * nz, 4)),
+        order=np.argsort(slab, kind="stable").astype(np.uint64),
+        start=np.concatenate([[0], np.cumsum(np.bincount(slab))]).astype(np.int64),
+    )
+
+
+@inline
+def place(points: Points, p: int, lattice: Lattice) -> tuple[float, float, float]:
+    """Return the coordinates of point p in cells from the grid's first node."""
+    reference = points.reference
+    return (
+        (reference[p, 0] - lattice.x0) * lattice.per_x + lattice.i0,
+        (reference[p, 1] - lattice.y0) * lattice.per_y + lattice.j0,
+        (reference[p, 2] - lattice.z0) * lattice.per_z + lattice.k0,
+    )
+
+
+@inline
+def around(points: Points, p: int, lattice: Lattice, shape: Any) -> Support:
+    """Return the nodes on which point p acts."""
+    x, y, z = place(points, p, lattice)
+    i, wx, dx = stencil(shape, x)
+    j, wy, dy = stencil(shape, y)
+    k, wz, dz = stencil(shape, z)
+    return Support((k * lattice.ny + j) * lattice.nx + i, wx, wy, wz, dx, dy, dz)
+
+
+@inline
+def cell_row(points: Points, p: int, lattice: Lattice) -> np.uint64:
+    """Return the row of the cell that holds point p: that of its first node."""
+    x, y, z = place(points, p, lattice)
+    return (np.uint64(z) * lattice.ny + np.uint64(y)) * lattice.nx + np.uint64(x)
+
+
+@serial_kernel
+def cover(points: Points, lattice: Lattice, shape: Any, weight: Array, filled: Array, touched: Array) -> None:
+    """Sum each node's Σ N V_p and each cell's Σ V_p [mm^3]; mark the nodes that any point knows."""
+    for p in range(len(points.volume)):
+        at = around(points, p, lattice, shape)
+        filled[cell_row(points, p, lattice)] += points.volume[p]
+        for c in range(len(at.wz)):
+            for b in range(len(at.wy)):
+                for a in range(len(at.wx)):
+                    node = at.first + (np.uint64(c) * lattice.ny + np.uint64(b)) * lattice.nx + np.uint64(a)
+                    weight[node] += at.wx[a] * at.wy[b] * at.wz[c] * points.volume[p]
+                    touched[node] = 1.0

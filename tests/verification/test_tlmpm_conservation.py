@@ -1,0 +1,269 @@
+"""What a step of total Lagrangian points must keep: momentum, energy, freedom after contact, every bit.
+
+Bounds "to rounding" allow for ``ROUNDING`` per step, some hundred roundings of the sums over a few hundred nodes.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from columns import advance, one_thread, order, viscoelastic  # noqa: F401
+from lagrangian import (
+    ELASTIC,
+    EPS,
+    ROUNDING,
+    Array,
+    brick,
+    column,
+    each_volume,
+    flying,
+    levels,
+    missing,
+    rod,
+    steps,
+    stirred,
+    upward,
+)
+from numpy.testing import assert_allclose, assert_array_equal
+
+from viscopoint.tlmpm.filling import FILLING
+from viscopoint.tlmpm.method import TotalLagrangianMethod
+from viscopoint.wall import RigidWall, Symmetry
+
+pytestmark = pytest.mark.usefixtures("one_thread")
+RELAXING = viscoelastic(65.0)
+THREADS = numba.get_num_threads()
+each_fill = pytest.mark.parametrize("fill", sorted(FILLING))
+
+
+def impact(friction: float = 0.1, **choices: Any) -> TotalLagrangianMethod:
+    return rod(RELAXING, flying(20.0, 5.0, -100.0), (RigidWall(0.0, friction),), **choices)
+
+
+def spin(method: TotalLagrangianMethod) -> Array:
+    """Return the angular momentum about the origin."""
+    nodes = method.nodes
+    return np.cross(nodes.position, nodes.mass[:, None] * nodes.velocity).sum(axis=0)
+
+
+# --- flight ---
+
+
+@each_fill
+@each_volume
+def test_free_flight_over_many_cells_strains_nothing(fill: str, volume: str) -> None:
+    velocity, count = np.array([53.0, -77.0, 41.0]), 400
+    method = rod(RELAXING, flying(*velocity), fill=fill, volume=volume)
+    time = count * method.stable_step()
+    assert time * np.abs(velocity).min() > 2.0  # mm, two cells
+    for _ in range(count):
+        method.advance(time / count)
+    points, strain = method.points, count * ROUNDING
+    assert_allclose(points.position, points.reference + time * velocity, rtol=0, atol=strain * 9.0)
+    assert_allclose(method.velocities(), np.broadcast_to(velocity, points.position.shape), rtol=strain)
+    assert_allclose(points.jacobian, 1.0, rtol=strain)
+    assert_allclose(points.stress, 0.0, atol=method.law.instantaneous_modulus * strain)
+
+
+@each_volume
+def test_linear_and_angular_momentum_are_kept_without_a_wall(volume: str) -> None:
+    method, count = rod(RELAXING, stirred, volume=volume), 200
+    start, turning = method.totals(), spin(method)
+    steps(method, count)
+    scale = count * ROUNDING * start.mass * np.abs(method.nodes.velocity).max()
+    assert np.abs(method.points.stress).max() > 0.1  # MPa: forces there were
+    assert_array_equal(method.totals().impulse, 0.0)
+    assert_allclose(method.totals().momentum, start.momentum, rtol=0, atol=scale)
+    assert_allclose(spin(method), turning, rtol=0, atol=scale * 6.0)
+
+
+def test_a_spinning_body_keeps_turning_rigidly_and_crosses_cells_unseen() -> None:
+    """Strain is only the centrifugal one, rho (w r)^2 / M, and what it rings with."""
+    rate, time = 3.0, 2.0  # rad/ms: a whole turn; 6 mm/ms at the circumference
+    method = rod(ELASTIC, lambda x: np.column_stack([-rate * x[:, 1], rate * x[:, 0], 0.0 * x[:, 0]]))
+    start, turning = method.totals(), spin(method)
+    advance(method, time)
+    strain = 1e-3 * (rate * 2.0) ** 2 / 140.0
+    radius = [np.hypot(*place.T[:2]) for place in (method.points.position, method.points.reference)]
+    assert_allclose(radius[0], radius[1], rtol=0, atol=2.0 * strain * 2.0)
+    assert_allclose(method.totals().kinetic, start.kinetic, rtol=4.0 * strain)
+    assert_allclose(spin(method), turning, rtol=0, atol=1e-10 * turning[2])
+
+
+# --- contact ---
+
+
+@each_volume
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_wall_impulse_is_the_change_of_momentum(volume: str, friction: float) -> None:
+    method, count = impact(friction, volume=volume), 200
+    start = method.totals()
+    rounded = 10 * EPS * start.mass * 100.0  # of what has been pushed so far
+    for _ in range(count):
+        before = method.totals().impulse
+        steps(method, 1)
+        push = method.totals().impulse - before
+        assert push[2] >= 0.0
+        assert np.hypot(*push[:2]) <= friction * push[2] + rounded  # Coulomb's cone
+    now = method.totals()
+    scale = count * ROUNDING * start.mass * 100.0
+    assert_allclose(now.momentum - start.momentum, now.impulse, rtol=0, atol=scale)
+    assert now.impulse[2] > 0.1 * start.mass * 100.0
+    assert (now.impulse[0] < 0.0) == (now.impulse[1] < 0.0) == (now.friction > 0.0) == (friction > 0.0)
+
+
+def test_contact_is_made_exactly_when_the_foot_has_crossed_the_gap() -> None:
+    gap, speed, height = 0.0823, 40.0, -0.7
+    method = brick((2, 2, 3), ELASTIC, (RigidWall(height, 0.2),), flying(0.0, 0.0, -speed), lift=height + gap)
+    start, dt = method.totals(), method.stable_step()
+    foot = method.nodes.above >= 0
+    assert foot.sum() == 9
+    free = int(gap / speed / dt)
+    assert free > 1
+    for _ in range(free):
+        method.advance(dt)
+        assert_array_equal(method.totals().impulse, 0.0)
+        assert_allclose(method.points.stress, 0.0, atol=1e-9)
+    assert_allclose(method.nodes.position[foot, 2], height + gap - free * dt * speed, rtol=0, atol=free * EPS)
+    method.advance(dt)
+    assert_array_equal(method.nodes.position[foot, 2], height)
+    assert_array_equal(method.nodes.velocity[foot, 2], 0.0)
+    assert method.totals().impulse[2] > 0.0
+    for _ in range(200):
+        method.advance(dt)
+        assert method.nodes.position[:, 2].min() >= height
+        assert method.points.position[:, 2].min() >= height - 10 * EPS
+    assert_allclose(method.totals().momentum - start.momentum, method.totals().impulse, atol=1e-12, rtol=0)
+
+
+def test_first_touch_takes_no_energy() -> None:
+    cells, speed = 50, 1.0
+    method = column(cells, RELAXING, motion=upward(lambda z: np.full_like(z, -speed)))
+    start = method.totals()
+    advance(method, 0.02)
+    assert method.totals().impulse[2] > 0.1 * start.mass * speed
+    # all nodes fly alike: none loses speed to the one above; half a layer that stops would take 1/2 of 1/cells
+    assert abs(method.totals().contact) < 1e-6 * start.kinetic / cells
+    assert abs(missing(start, method.totals())) < 0.05 / cells
+    assert method.totals().friction == 0.0
+
+
+def test_nodes_beside_the_foot_stop_as_they_are() -> None:
+    """Sides that roll onto the wall have no node above: they arrive on it, and lose their speed and its energy."""
+    gap, speed, slide = 0.03, 40.0, 30.0
+    method = brick((2, 2, 3), ELASTIC, (RigidWall(0.0, 0.2),), flying(slide, 0.0, -speed), lift=gap)
+    foot, start, dt = method.nodes.above >= 0, method.totals(), method.stable_step()
+    method.nodes.above[:] = -1
+    while method.totals().impulse[2] == 0.0:
+        method.advance(dt)
+    mass, now = method.nodes.mass[foot].sum(), method.totals()
+    assert_array_equal(method.nodes.position[foot, 2], 0.0)
+    assert_array_equal(method.nodes.velocity[foot, 2], 0.0)
+    # what stops the foot, and half a step of the force of cells that are strained by less than v dt / h
+    assert (
+        mass * speed <= now.impulse[2] < mass * speed + 0.5 * dt * 4.0 * method.law.instantaneous_modulus * speed * dt
+    )
+    assert_allclose(now.impulse[0], -0.2 * now.impulse[2], rtol=1e-3)  # what swells slides a little sideways too
+    assert_allclose(now.contact, 0.5 * mass * speed**2, rtol=1e-10)
+    for _ in range(200):
+        method.advance(dt)
+        assert method.nodes.position[:, 2].min() >= 0.0
+    now = method.totals()
+    assert_allclose(now.momentum - start.momentum, now.impulse, rtol=0, atol=300 * ROUNDING * start.mass * speed)
+    assert abs(missing(start, now)) < 0.01
+
+
+def test_sliding_block_feels_coulomb_friction() -> None:
+    friction, speed = 0.2, 20.0
+    walls = (RigidWall(0.0, friction), Symmetry(1, 0.0), Symmetry(1, 2.0))
+    method = brick((4, 2, 3), ELASTIC, walls, flying(speed, 0.0, -1.0))
+    for _ in range(10):
+        before = method.totals().impulse
+        steps(method, 1)
+        push = method.totals().impulse - before
+        assert push[2] > 0.0
+        assert_allclose(push[0], -friction * push[2], rtol=1e-10)
+    now = method.totals()
+    # each bit of impulse works on nodes that still slide nearly at the speed of the start
+    assert_allclose(now.friction, -now.impulse[0] * speed, rtol=0.05)
+
+
+def test_slow_block_sticks_and_no_more() -> None:
+    """The wall's push grows from nothing: it stops the foot as soon as it has taken its momentum, and then holds it."""
+    slide, speed = 0.1, 10.0
+    law = ELASTIC._replace(bulk=2 / 3 * (ELASTIC.shear_arm + ELASTIC.shear_long))  # does not swell sideways
+    method = brick((3, 3, 3), law, (RigidWall(0.0, 0.5),), flying(slide, 0.0, -speed))
+    steps(method, 8)
+    foot = method.nodes.above >= 0
+    assert_array_equal(method.nodes.velocity[foot, :2], 0.0)
+    push = method.totals().impulse
+    assert -push[0] < 0.5 * push[2]
+    assert 0.0 < method.totals().friction < 0.5 * method.totals().mass * slide**2
+
+
+# --- energy ---
+
+
+def shaken(law: Any, safety: float, volume: str, viscosity: tuple[float, float] = (0.0, 0.0)) -> float:
+    """Return what is missing of a rod's energy after some vibration."""
+
+    def motion(position: Array) -> Array:
+        x, y, z = position.T / 4.0
+        return 1e-3 * np.column_stack([np.sin(2 * z) + x, np.cos(3 * x), np.sin(2 * x + y) - z])
+
+    method = rod(law, motion, safety=safety, viscosity=viscosity, volume=volume)
+    start = method.totals()
+    advance(method, 0.02)
+    return missing(start, method.totals())
+
+
+@each_volume
+@pytest.mark.parametrize("law", [ELASTIC, RELAXING], ids=["elastic", "viscoelastic"])
+@pytest.mark.parametrize("viscosity", [(0.0, 0.0), (0.6, 1.5)], ids=["plain", "bulk-viscous"])
+def test_energy_of_a_small_vibration_closes_to_second_order_in_the_time_step(
+    law: Any, viscosity: tuple[float, float], volume: str
+) -> None:
+    errors = [shaken(law, safety, volume, viscosity) for safety in (0.8, 0.4, 0.2)]
+    # waves of the grid's length swing in their own phase: what they add is up to a quarter of an order
+    assert_allclose(order(np.abs(errors).tolist()), 2.0, atol=0.25)
+
+
+# --- bits ---
+
+
+def assert_same_bits(one: dict[str, Any], other: dict[str, Any]) -> None:
+    assert one.keys() == other.keys()
+    for name, values in one.items():
+        assert_array_equal(values, other[name], err_msg=name)
+
+
+@each_volume
+@pytest.mark.parametrize("shape", ["trilinear", "gimp"])
+def test_thread_count_changes_no_bit(volume: str, shape: str) -> None:
+    if THREADS < 2:
+        pytest.skip("one core")
+    states = []
+    for threads in (1, 2):
+        numba.set_num_threads(threads)
+        method = steps(impact(spacing=0.25, volume=volume, shape=shape, fill="rings"), 40)
+        states.append({**method.state(), "totals": np.hstack(method.totals()), "seen": method.velocities()})
+    assert_same_bits(*states)
+
+
+@each_volume
+def test_restored_run_goes_on_bit_for_bit(volume: str) -> None:
+    straight, resumed = steps(impact(volume=volume), 20), impact(volume=volume)
+    resumed.restore(straight.state())
+    assert resumed.stable_step() == straight.stable_step()
+    assert_same_bits(steps(straight, 20).state(), steps(resumed, 20).state())
+    assert_array_equal(np.hstack(straight.totals()), np.hstack(resumed.totals()))
+
+
+def test_planes_of_the_rod_s_nodes_begin_with_its_foot() -> None:
+    method = rod()
+    heights = levels(method, method.reference[:, 2])
+    assert_allclose(heights, np.arange(13) * 0.5, rtol=0, atol=1e-12)
+    assert ((method.nodes.above >= 0) == (method.reference[:, 2] < 0.25)).all()
+    up = method.nodes.above[method.nodes.above >= 0]
+    assert_allclose(method.reference[up, 2], 0.5, atol=1e-12)

@@ -26,6 +26,8 @@ from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
 from viscopoint.mpm.shapes import SHAPES
+from viscopoint.mpm.transfers import Transfer
+from viscopoint.mpm.transfers.flip import Flip
 from viscopoint.mpm.volumes import VOLUMES
 from viscopoint.viscosity import BulkViscosity
 from viscopoint.wall import RigidWall, Symmetry
@@ -73,6 +75,7 @@ def column(
     velocity: Callable[[Array], Array] = np.zeros_like,
     scheme: str = "musl",
     pic: float = 0.0,
+    transfer: Transfer | None = None,
     safety: float = COURANT,
     viscosity: tuple[float, float] = (0.0, 0.0),
     shape: str = "trilinear",
@@ -89,7 +92,7 @@ def column(
         box=Box((0.0, 0.0, -4 * cell), (side, side, 2 * LENGTH)),
         shape=SHAPES[shape].fitted(0.5),
         scheme=SCHEMES[scheme],
-        pic=pic,
+        transfer=Flip(pic) if transfer is None else transfer,
         safety=safety,
         viscosity=BulkViscosity(*viscosity),
         volume=VOLUMES[volume],
@@ -110,6 +113,7 @@ def rod(
     box: Box = BOX,
     scheme: str = "musl",
     pic: float = 0.0,
+    transfer: Transfer | None = None,
     safety: float = 0.4,
     viscosity: tuple[float, float] = (0.06, 1.5),
     body: Body | None = None,
@@ -121,8 +125,9 @@ def rod(
     body = body or rod_lattice(2.0, HEIGHT, cell / 2)
     body = body._replace(position=body.position + [0.0, 0.0, lift])
     fitted, damping = SHAPES[shape].fitted(0.5), BulkViscosity(*viscosity)
-    scheme_and_rest = SCHEMES[scheme], pic, safety, damping, VOLUMES[volume], CONTACTS[contact]
-    choices = Discretisation(cell, box, fitted, *scheme_and_rest)
+    exchange = Flip(pic) if transfer is None else transfer  # some transfers are empty tuples, and so false
+    rest = SCHEMES[scheme], exchange, safety, damping, VOLUMES[volume], CONTACTS[contact]
+    choices = Discretisation(cell, box, fitted, *rest)
     return MaterialPointMethod(body, law or viscoelastic(65.0), walls, choices, velocity)
 
 

@@ -29,6 +29,7 @@ from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
 from viscopoint.mpm.shapes import SHAPES
+from viscopoint.mpm.transfers.flip import Flip
 from viscopoint.viscosity import BulkViscosity
 from viscopoint.wall import RigidWall, Symmetry
 
@@ -90,7 +91,7 @@ def test_points_that_stand_exactly_on_nodes_fly_freely_too(scheme: str, shift: f
     # spacing 0.5, cell 1: with a shift of 0.25 every other plane of points stands on nodes, some with nothing beyond
     box = Box((-8.0 + shift, -8.0 + shift, -8.0 + shift), (8.0, 8.0, 20.0))
     shape = SHAPES["trilinear"].fitted(0.5)
-    choices = Discretisation(CELL, box, shape, SCHEMES[scheme], 0.0, 0.4, BulkViscosity(0.06, 1.5))
+    choices = Discretisation(CELL, box, shape, SCHEMES[scheme], Flip(0.0), 0.4, BulkViscosity(0.06, 1.5))
     method = MaterialPointMethod(rod_lattice(2.0, 6.0, 0.5), ELASTIC, (), choices, VELOCITY)
     start = method.totals()
     steps(method, 20)

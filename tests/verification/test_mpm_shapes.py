@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from viscopoint.arrays import Indices
 from viscopoint.laws.elastic import Elastic
 from viscopoint.mpm.grid import Box
+from viscopoint.mpm.mapping import scatter_momentum_and_force
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.points import at_rest
 from viscopoint.mpm.schemes import SCHEMES
@@ -17,7 +18,7 @@ from viscopoint.mpm.shapes import SHAPES, along, stencil
 from viscopoint.mpm.shapes.cpgimp import WIDEST, ContiguousGimp
 from viscopoint.mpm.shapes.gimp import Gimp
 from viscopoint.mpm.shapes.trilinear import LEAST
-from viscopoint.mpm.transfers import scatter_momentum_and_force
+from viscopoint.mpm.transfers.flip import Flip
 from viscopoint.viscosity import BulkViscosity
 from viscopoint.wall import RigidWall, Symmetry
 
@@ -103,7 +104,7 @@ def uneven(shape: str, blocks: int, ends: tuple[Symmetry, ...] = (), law: Elasti
     side, height = 3 * CELL, 3 * blocks * CELL
     box = Box((0.0, 0.0, -CELL), (side, side, height + 3 * CELL))
     fitted, none = SHAPES[shape].fitted(UNEVEN), BulkViscosity(0.0, 0.0)
-    choices = Discretisation(CELL, box, fitted, SCHEMES["musl"], 0.0, 0.5, none)
+    choices = Discretisation(CELL, box, fitted, SCHEMES["musl"], Flip(0.0), 0.5, none)
     return MaterialPointMethod(body, law, ends, choices, (0.0, 0.0, 0.0))
 
 
@@ -114,7 +115,7 @@ def test_uniform_stress_pulls_at_inner_nodes_of_an_uneven_lattice_without_gimp(s
     method = uneven(shape, 2)
     method.points.stress[:, :3] = -pressure
     grid = method.fresh_grid()
-    scatter_momentum_and_force(method.points, grid, method.shape, method.pressed())
+    scatter_momentum_and_force(method.points, grid, method.shape, method.pressed(), method.transfer)
     across = grid.change[:, 2].reshape(int(grid.nz), -1).sum(axis=1)  # of each plane of nodes
     height = grid.z0 + grid.cell * (grid.k0 + np.arange(len(across)))
     inside = (height > 0.5) & (height < 5.5)
@@ -138,7 +139,7 @@ def test_uniform_stress_pulls_at_no_inner_node_of_a_stretched_lattice_with_boxes
     points.stress[:, :3] = -pressure
     method.restore(method.state())  # finds the points' cells
     grid = method.fresh_grid()
-    scatter_momentum_and_force(points, grid, method.shape, method.pressed())
+    scatter_momentum_and_force(points, grid, method.shape, method.pressed(), method.transfer)
     across = grid.change[:, 2].reshape(int(grid.nz), -1).sum(axis=1)
     height = grid.z0 + grid.cell * (grid.k0 + np.arange(len(across)))
     inside = np.abs(height - middle) < middle * stretch - 1.5
@@ -196,7 +197,7 @@ def test_points_closer_to_the_box_than_half_their_size_keep_all_their_mass_and_f
     assert method.lost() == 0
     points, grid = method.points, method.fresh_grid()
     points.stress[:] = np.random.default_rng(3).normal(size=points.stress.shape)
-    scatter_momentum_and_force(points, grid, method.shape, method.pressed())
+    scatter_momentum_and_force(points, grid, method.shape, method.pressed(), method.transfer)
     mass = points.mass.sum()
     assert_allclose(grid.momentum.sum(axis=0), mass * np.array([1.0, 2.0, -3.0, 1.0]), rtol=ROUNDING)
     assert_allclose(grid.change[:, :3].sum(axis=0), 0.0, atol=ROUNDING * np.abs(grid.change).sum())

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 
 from viscopoint.laws.elastic import Elastic
 from viscopoint.mpm.grid import Box
+from viscopoint.mpm.mapping import scatter_momentum_and_force
 from viscopoint.mpm.method import MaterialPointMethod
 from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.transfers import scatter_momentum_and_force
 from viscopoint.mpm.volumes import VOLUMES, pull
 from viscopoint.tensors import components
 
@@ -139,7 +139,7 @@ def test_work_of_shared_pressure_on_the_nodes_is_that_of_the_shared_dilatation()
     tension = random.normal(size=len(points.mass))
     points.stress[:, :3] = tension[:, None]
     grid = method.fresh_grid()
-    scatter_momentum_and_force(points, grid, method.shape, method.pressed())
+    scatter_momentum_and_force(points, grid, method.shape, method.pressed(), method.transfer)
     force = grid.change[:, :3].copy()
     points.viscous_pressure[:] = -tension  # keep for the account: it is what pulls, minus
     points.stress[:] = 0.0

@@ -14,11 +14,13 @@ from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
 from viscopoint.mpm.shapes import SHAPES
+from viscopoint.mpm.transfers import TRANSFERS
 from viscopoint.mpm.volumes import VOLUMES
 from viscopoint.rules import rule
 from viscopoint.units import Coordinate, Length
 
 MOST_CELLS = 1_000_000  # along an axis; only those around the body take memory
+HIGHEST_ORDER, USUAL_ORDER = 16, 2  # of FMPM
 BYTES_PER_POINT = 600  # points, grid, one snapshot being written: a generous count
 
 
@@ -44,7 +46,9 @@ class MPMInput(MethodInput):
     scheme: one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
     volume: one_of(VOLUMES) = "local"  # pyright: ignore[reportInvalidTypeForm]
     contact: one_of(CONTACTS) = "nodes"  # pyright: ignore[reportInvalidTypeForm]
+    transfer: one_of(TRANSFERS) = "flip"  # pyright: ignore[reportInvalidTypeForm]
     pic_fraction: float = Field(default=0.0, ge=0, le=1)
+    order: int | None = Field(default=None, ge=1, le=HIGHEST_ORDER)
     safety: float = Field(default=0.2, gt=0, le=1)
     box: BoxInput | None = None
 
@@ -56,10 +60,12 @@ class MPMInput(MethodInput):
         return {"name": "mpm", "spacing": f"{distance!r} mm", "cell": f"{2.0 * distance!r} mm"}
 
     def completed(self, rod: Rod, impact: Impact) -> "MPMInput":
-        """Return the table with a box, by default wide enough for a mushroom and a rebound.
+        """Return the table with a box, by default wide enough for a mushroom and a rebound, and FMPM's order.
 
         Only the part of the box around the body takes memory.
         """
+        if self.transfer == "fmpm" and self.order is None:
+            return self.model_copy(update={"order": USUAL_ORDER}).completed(rod, impact)
         if self.box is not None:
             return self
         side = 4.0 * rod.radius
@@ -80,7 +86,7 @@ class MPMInput(MethodInput):
             box=Box((x0, y0, z0), (x1, y1, z1)),
             shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
             scheme=SCHEMES[self.scheme],
-            pic=self.pic_fraction,
+            transfer=TRANSFERS[self.transfer].chosen(self.pic_fraction, self.order or USUAL_ORDER),
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
             volume=VOLUMES[self.volume],
@@ -88,6 +94,26 @@ class MPMInput(MethodInput):
         )
         motion = (0.0, 0.0, -impact.speed)
         return MaterialPointMethod(self.body(rod), law, (impact.boundary(),), choices, motion)
+
+
+@rule("method.pic_fraction", "method.transfer")
+def pic_is_of_flip(pic: float, transfer: str) -> str | None:
+    return (
+        f'{pic:g} blends PIC into "flip"; method.transfer is "{transfer}"' if pic > 0 and transfer != "flip" else None
+    )
+
+
+@rule("method.order", "method.transfer")
+def order_is_of_fmpm(order: int | None, transfer: str) -> str | None:
+    return f'{order} is of "fmpm"; method.transfer is "{transfer}"' if order and transfer != "fmpm" else None
+
+
+@rule("method.transfer", "method.shape", "method.scheme")
+def smooth_slopes_where_needed(transfer: str, shape: str, scheme: str) -> str | None:
+    if shape != "trilinear" or not (transfer == "tpic" or (scheme == "usl" and transfer != "flip")):
+        return None
+    told = f'"{transfer}" with method.scheme = "{scheme}" carries on what points feel of nodes of nearly no mass, which'
+    return f'{told} has no bound with method.shape = "trilinear"; take "gimp", or "apic" or "fmpm" with "musl" or "usf"'
 
 
 @rule("method.spacing", "method.cell")

@@ -17,6 +17,7 @@ from viscopoint.mpm.points import Points, at_rest
 from viscopoint.mpm.schemes import Scheme
 from viscopoint.mpm.shapes import Shape
 from viscopoint.mpm.stress import sum_points, update_points
+from viscopoint.mpm.transfers import Transfer
 from viscopoint.mpm.volumes import Volume
 from viscopoint.mpm.volumes.local import Local
 from viscopoint.viscosity import BulkViscosity, signal_speed
@@ -31,7 +32,7 @@ class Discretisation:
     box: Box
     shape: Shape  # of ``mpm.shapes``
     scheme: Scheme  # of ``mpm.schemes``
-    pic: float  # share of PIC in the velocity update, 0 to 1
+    transfer: Transfer  # of ``mpm.transfers``
     safety: float  # share of the critical step to take
     viscosity: BulkViscosity
     volume: type[Volume] = Local  # of ``mpm.volumes``
@@ -40,17 +41,6 @@ class Discretisation:
 
 class MaterialPointMethod:
     """A body of material points on a background grid, moving at ``velocity`` [mm/ms] at the start."""
-
-    advice = Advice(
-        lost="points left the box; give it more room (method.box)",
-        unstable="the integration became unstable; take a smaller method.safety, or the scheme 'musl' instead of "
-        "'usl', whose nodes of nearly no mass run away",
-        dissipating="the transfers dissipate (method.pic_fraction), or the integration is becoming unstable (scheme "
-        "'usl' does where points come to nodes of nearly no mass; 'musl' does not)",
-        gaining="noise of points that cross cells, or steps too long; take a smaller method.safety",
-        collapsed="points fly apart or are crushed: the integration became unstable, or the impact is too violent for "
-        "this resolution; look at the last snapshot",
-    )
 
     def __init__(
         self,
@@ -62,11 +52,12 @@ class MaterialPointMethod:
     ) -> None:
         self.body, self.law, self.boundaries = body, law, boundaries
         self.box, self.scheme, self.safety = choices.box, choices.scheme, choices.safety
-        self.pic, self.gate, self.half_height = choices.pic, choices.contact, half_height(body)
+        self.transfer, self.gate, self.half_height = choices.transfer, choices.contact, half_height(body)
         self.viscosity, self.volume = choices.viscosity, choices.volume
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
-        self.points: Points = at_rest(body.position, law.density * body.volume, body.volume, len(self.blank))
+        mass, history, affine = law.density * body.volume, len(self.blank), choices.transfer.affine
+        self.points: Points = at_rest(body.position, mass, body.volume, history, affine)
         self.points.velocity[:] = velocity
         if choices.shape.stretches or choices.contact.stretches:
             self.points = self.points._replace(stretch=np.ones((len(body.position), 3)))
@@ -77,6 +68,19 @@ class MaterialPointMethod:
         self.middle = tuple(body.position.mean(axis=0))
         self.shape: Shape = choices.shape.walled(*walls_around(boundaries, self.grid, self.middle))
         self._sort()
+
+    @property
+    def advice(self) -> Advice:
+        return Advice(
+            lost="points left the box; give it more room (method.box)",
+            unstable="the integration became unstable; take a smaller method.safety, or the scheme 'musl' instead of "
+            "'usl', whose nodes of nearly no mass run away",
+            dissipating=f"{self.transfer.dissipates}, or the integration is becoming unstable (scheme "
+            "'usl' does where points come to nodes of nearly no mass; 'musl' does not)",
+            gaining="noise of points that cross cells, or steps too long; take a smaller method.safety",
+            collapsed="points fly apart or are crushed: the integration became unstable, or the impact is too violent "
+            "for this resolution; look at the last snapshot",
+        )
 
     def stable_step(self) -> float:
         return self.safety * float(self.grid.critical.min())

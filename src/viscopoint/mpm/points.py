@@ -25,10 +25,11 @@ class Points(NamedTuple):
     dissipated: Array  # [p], by the law per reference volume, mJ/mm^3
     viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
     stretch: Array  # [p, 3], of the material along x, y and z; no rows where nobody asks for it
+    affine: Array  # [p, 9], what a transfer keeps of the motion around the point; [0, 9] if it keeps nothing
 
 
-def at_rest(position: Array, mass: Array, volume: Array, history_size: int) -> Points:
-    """Return stress-free points without velocity."""
+def at_rest(position: Array, mass: Array, volume: Array, history_size: int, affine: bool = False) -> Points:
+    """Return stress-free points without velocity, with memory for ``affine`` motion if the transfer has such."""
     count = len(position)
     return Points(
         position=position.copy(),
@@ -43,4 +44,5 @@ def at_rest(position: Array, mass: Array, volume: Array, history_size: int) -> P
         dissipated=np.zeros(count),
         viscous_loss=np.zeros(count),
         stretch=np.ones((0, 3)),
+        affine=np.zeros((count if affine else 0, 9)),
     )

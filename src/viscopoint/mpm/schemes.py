@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from viscopoint.mpm.grid import accelerate, average, forget_momentum
-from viscopoint.mpm.transfers import (
+from viscopoint.mpm.mapping import (
     gather_velocity,
     gather_velocity_and_remap,
     move,
@@ -36,13 +36,14 @@ def offer(name: str) -> Callable[[Scheme], Scheme]:
 @offer("musl")
 def musl(mpm: "MaterialPointMethod", dt: float) -> None:
     """Update stress last, from the re-mapped momentum of the accelerated points: the paper's."""
-    points, shape = mpm.points, mpm.shape
+    points, shape, transfer = mpm.points, mpm.shape, mpm.transfer
     grid = mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape, mpm.pressed())  # m_i, (mv)_i, f_i
+    scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
+    transfer.correct(points, grid, shape)  # v_i, if the transfer knows better
     mpm.contact(grid)  # v_n >= 0 on the wall
     forget_momentum(grid)
-    gather_velocity_and_remap(points, grid, shape, mpm.pic)  # v_p, then (mv)_i of the accelerated points
+    gather_velocity_and_remap(points, grid, shape, transfer)  # v_p, then (mv)_i of the accelerated points
     average(grid)  # v_i
     mpm.hold(grid)
     mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
@@ -52,12 +53,13 @@ def musl(mpm: "MaterialPointMethod", dt: float) -> None:
 @offer("usl")
 def usl(mpm: "MaterialPointMethod", dt: float) -> None:
     """Update stress last, from the accelerated nodes themselves (Sulsky, Chen & Schreyer 1994)."""
-    points, shape = mpm.points, mpm.shape
+    points, shape, transfer = mpm.points, mpm.shape, mpm.transfer
     grid = mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape, mpm.pressed())  # m_i, (mv)_i, f_i
+    scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
+    transfer.correct(points, grid, shape)  # v_i, if the transfer knows better
     mpm.contact(grid)  # v_n >= 0 on the wall
-    gather_velocity(points, grid, shape, mpm.pic)  # v_p
+    gather_velocity(points, grid, shape, transfer)  # v_p
     mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
     move(points, grid, dt)  # x_p
 
@@ -65,15 +67,16 @@ def usl(mpm: "MaterialPointMethod", dt: float) -> None:
 @offer("usf")
 def usf(mpm: "MaterialPointMethod", dt: float) -> None:
     """Update stress first, from the mapped momentum; the new stress accelerates."""
-    points, shape = mpm.points, mpm.shape
+    points, shape, transfer = mpm.points, mpm.shape, mpm.transfer
     grid = mpm.fresh_grid()
-    scatter_momentum(points, grid, shape)  # m_i, (mv)_i
+    scatter_momentum(points, grid, shape, transfer)  # m_i, (mv)_i
     average(grid)  # v_i
     mpm.hold(grid)
     mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
     mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape, mpm.pressed())  # m_i, (mv)_i, f_i
+    scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
+    transfer.correct(points, grid, shape)  # v_i, if the transfer knows better
     mpm.contact(grid)  # v_n >= 0 on the wall
-    gather_velocity(points, grid, shape, mpm.pic)  # v_p
+    gather_velocity(points, grid, shape, transfer)  # v_p
     move(points, grid, dt)  # x_p

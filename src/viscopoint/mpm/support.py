@@ -105,6 +105,22 @@ def motion(grid: Grid, at: Support) -> tuple[tuple[float, float, float], tuple[f
 
 
 @inline
+def sampled(field: Array, grid: Grid, at: Support) -> tuple[float, float, float]:
+    """Return Σ N field at a point."""
+    x, y, z = 0.0, 0.0, 0.0
+    for c in range(len(at.wz)):
+        for b in range(len(at.wy)):
+            row = at.first + (np.uint64(c) * grid.ny + np.uint64(b)) * grid.nx
+            for a in range(len(at.wx)):
+                node = row + np.uint64(a)
+                w = at.wx[a] * at.wy[b] * at.wz[c]
+                x += w * field[node, 0]
+                y += w * field[node, 1]
+                z += w * field[node, 2]
+    return x, y, z
+
+
+@inline
 def gradient(field: Array, grid: Grid, at: Support, scale: float) -> Matrix:
     """Return ``scale`` Σ field ⊗ ∇N (per cell) at a point."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

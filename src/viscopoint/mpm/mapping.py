@@ -1,0 +1,75 @@
+"""Kernels that carry mass, momentum, force and motion between points and nodes, by one of ``mpm.transfers``."""
+
+from typing import Any
+
+from numba import prange
+
+from viscopoint.jit import kernel
+from viscopoint.mpm.grid import Grid
+from viscopoint.mpm.points import Points
+from viscopoint.mpm.support import around
+from viscopoint.mpm.transfers import give, give_with_force, take
+from viscopoint.mpm.volumes import pull
+
+
+@kernel
+def scatter_momentum_and_force(points: Points, grid: Grid, shape: Any, volume: Any, transfer: Any) -> None:
+    """Map m_i = Σ N m_p, (mv)_i = Σ N m_p v_p (and what else the transfer brings) and f_i = -Σ V_p σ_p ∇N."""
+    slabs = len(grid.start) - 2
+    for colour in range(2):
+        for pair in prange((slabs - colour + 1) // 2):
+            slab = 2 * pair + colour
+            for q in range(grid.start[slab], grid.start[slab + 1]):
+                p: int = grid.order[q]
+                at = around(points, p, grid, shape)
+                stress = pull(volume, points, p, grid)
+                size = points.jacobian[p] * points.volume[p]
+                give_with_force(transfer, points, p, grid, at, (-size * grid.per_cell) * stress)
+
+
+@kernel
+def scatter_momentum(points: Points, grid: Grid, shape: Any, transfer: Any) -> None:
+    """Map m_i = Σ N m_p and (mv)_i = Σ N m_p v_p, and what else the transfer brings."""
+    slabs = len(grid.start) - 2
+    for colour in range(2):
+        for pair in prange((slabs - colour + 1) // 2):
+            slab = 2 * pair + colour
+            for q in range(grid.start[slab], grid.start[slab + 1]):
+                p: int = grid.order[q]
+                give(transfer, points, p, grid, around(points, p, grid, shape))
+
+
+@kernel
+def gather_velocity(points: Points, grid: Grid, shape: Any, transfer: Any) -> None:
+    """Change the points' velocity by the nodes' motion."""
+    for slab in prange(len(grid.start) - 2):
+        for q in range(grid.start[slab], grid.start[slab + 1]):
+            p: int = grid.order[q]
+            take(transfer, points, p, grid, around(points, p, grid, shape))
+
+
+@kernel
+def gather_velocity_and_remap(points: Points, grid: Grid, shape: Any, transfer: Any) -> None:
+    """Change the points' velocity by the nodes' motion, and map m_i and (mv)_i of the accelerated points back.
+
+    Both in one visit to each point: the nodes' velocities are read, their momenta are written.
+    """
+    slabs = len(grid.start) - 2
+    for colour in range(2):
+        for pair in prange((slabs - colour + 1) // 2):
+            slab = 2 * pair + colour
+            for q in range(grid.start[slab], grid.start[slab + 1]):
+                p: int = grid.order[q]
+                at = around(points, p, grid, shape)
+                take(transfer, points, p, grid, at)
+                give(transfer, points, p, grid, at)
+
+
+@kernel
+def move(points: Points, grid: Grid, dt: float) -> None:
+    """Move the points, x_p += Δt Σ N v_i."""
+    position = points.position
+    for q in prange(grid.start[len(grid.start) - 2]):
+        p = grid.order[q]
+        for a in range(3):
+            position[p, a] += dt * points.drift[p, a]

@@ -1,0 +1,91 @@
+"""What points and nodes tell each other of their motion: one short file each, found by itself.
+
+A transfer is a NamedTuple (of its parameters, if it has any), offered under the name that a case uses, and
+implementations of ``give``, ``give_with_force`` and ``take``. In all of them the points move with Σ N v_i, the velocity
+of the accelerated nodes, and linear momentum goes over without loss. They differ in what a point remembers:
+
+- of velocities that the nodes do not see: FLIP keeps them for good, and with them the noise; the others forget;
+- of the motion around the point: FLIP, PIC and FMPM nothing, APIC a moment, TPIC a gradient.
+
+A wave of which points and nodes leave each other the share F per exchange, S⁺S v = F v (S interpolates to the points by
+N, S⁺ averages back), loses nothing by FLIP, 1 - F each step by PIC, (1 - F)^k by FMPM(k), and what no affine field
+around the points can hold by APIC and TPIC. It is missing from the points' kinetic energy, m_p v_p² / 2, and so is in
+the ledger's remainder; the motion that APIC and TPIC keep around points is in no account either.
+"""
+
+from collections.abc import Callable
+from typing import Any, Protocol, Self, TypeVar
+
+from viscopoint.discovery import import_all
+from viscopoint.jit import generic, inline
+from viscopoint.mpm.grid import Grid
+from viscopoint.mpm.points import Points
+from viscopoint.mpm.support import Support
+from viscopoint.tensors import Sym
+
+T = TypeVar("T")
+
+
+class Transfer(Protocol):
+    """What the method asks of a transfer beside ``give``, ``give_with_force`` and ``take``."""
+
+    @classmethod
+    def chosen(cls, pic: float, order: int) -> Self:
+        """Return the transfer with the share of PIC or the order, if it has such."""
+        ...
+
+    @property
+    def affine(self) -> bool:
+        """Whether each point needs memory for a general tensor."""
+        ...
+
+    @property
+    def dissipates(self) -> str:
+        """By what the transfer loses energy, in the words of the guard that stops a run for it."""
+        ...
+
+    def correct(self, points: Points, grid: Grid, shape: Any) -> None:
+        """Make the accelerated nodes' velocity, of the lumped mass, what the points shall see."""
+        ...
+
+
+TRANSFERS: dict[str, type[Transfer]] = {}
+
+
+@generic
+def give(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None:
+    """Add mass and momentum of point p to the nodes around it, for the velocity by which points are strained."""
+    raise NotImplementedError
+
+
+@generic
+def give_with_force(transfer: Any, points: Points, p: int, grid: Grid, at: Support, pull: Sym) -> None:
+    """Add mass and momentum of point p, and the force ``pull`` · ∇N (per cell) [N], in one visit to each node."""
+    raise NotImplementedError
+
+
+@generic
+def take(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None:
+    """Let point p have its new velocity, and note Σ N v_i, at which it will move."""
+    raise NotImplementedError
+
+
+@inline
+def carry(points: Points, p: int, velocity: tuple[float, float, float], drift: tuple[float, float, float]) -> None:
+    """Store a point's velocity and the one with which it moves."""
+    for a in range(3):
+        points.velocity[p, a] = velocity[a]
+        points.drift[p, a] = drift[a]
+
+
+def offer(name: str) -> Callable[[type[T]], type[T]]:
+    """Let cases choose the decorated transfer by ``name``."""
+
+    def register(transfer: type[T]) -> type[T]:
+        TRANSFERS[name] = transfer  # pyright: ignore[reportArgumentType]
+        return transfer
+
+    return register
+
+
+import_all(__name__)

@@ -1,0 +1,61 @@
+"""FLIP, with any share of PIC (Brackbill & Ruppel 1986; Zhang, Chen & Liu 2016, ch. 3): the paper's.
+
+    v_p += Σ N Δv_i,    or by the share ``pic``    v_p = Σ N v_i
+
+FLIP keeps all that a point had and adds what the nodes gained. Angular momentum changes in each step by what nodes and
+points know differently: -Σ m_p ε:Σ N Δv_i ⊗ (x_i - x_p), and as points move with Σ N v_i and not with v_p. PIC loses
+Σ m_p ε:Σ N v_i ⊗ (x_i - x_p).
+"""
+
+from typing import Any, NamedTuple
+
+from viscopoint.jit import implements
+from viscopoint.mpm.grid import Grid
+from viscopoint.mpm.points import Points
+from viscopoint.mpm.support import Support, motion, spread, spread_with_force
+from viscopoint.mpm.transfers import carry, give, give_with_force, offer, take
+from viscopoint.tensors import Sym
+
+
+@offer("flip")
+class Flip(NamedTuple):
+    """What the nodes gain is added to what the points have."""
+
+    pic: float  # share of PIC, 0 to 1
+
+    @classmethod
+    def chosen(cls, pic: float, order: int) -> "Flip":
+        return cls(pic)
+
+    @property
+    def affine(self) -> bool:
+        return False
+
+    @property
+    def dissipates(self) -> str:
+        return "the transfers dissipate (method.pic_fraction)"
+
+    def correct(self, points: Points, grid: Grid, shape: Any) -> None:
+        """Leave the nodes as they are."""
+
+
+@implements(give, Flip)
+def momentum(transfer: Flip, points: Points, p: int, grid: Grid, at: Support) -> None:
+    m, v = points.mass[p], points.velocity[p]
+    spread(grid.momentum, grid, at, m * v[0], m * v[1], m * v[2], m)
+
+
+@implements(give_with_force, Flip)
+def momentum_and_force(transfer: Flip, points: Points, p: int, grid: Grid, at: Support, pull: Sym) -> None:
+    m, v = points.mass[p], points.velocity[p]
+    spread_with_force(grid, at, m * v[0], m * v[1], m * v[2], m, pull)
+
+
+@implements(take, Flip)
+def gained(transfer: Flip, points: Points, p: int, grid: Grid, at: Support) -> None:
+    moves, gains = motion(grid, at)
+    v, pic = points.velocity[p], transfer.pic
+    vx = (1.0 - pic) * (v[0] + gains[0]) + pic * moves[0]
+    vy = (1.0 - pic) * (v[1] + gains[1]) + pic * moves[1]
+    vz = (1.0 - pic) * (v[2] + gains[2]) + pic * moves[2]
+    carry(points, p, (vx, vy, vz), moves)

@@ -41,6 +41,7 @@ class Row(NamedTuple):
     kinetic: Energy
     stored: Energy
     dissipated: Energy  # by the law
+    hypoelastic: Energy  # taken by the law (below zero: given) as volume changes under shear; it has no potential
     viscous: Energy  # by the bulk viscosity
     hourglass: Energy  # taken by the control of hourglass modes (FEM)
     eroded: Energy  # stored in elements when they were deleted (FEM)
@@ -65,10 +66,6 @@ class Ledger:
         """Measure the method now."""
         now, start = self.method.totals(), self.start
         shape = measure(self.surface, self.method.positions())
-        known = (
-            now.kinetic + now.stored + now.dissipated + now.viscous + now.hourglass + now.eroded + now.contact
-            + now.friction
-        )  # fmt: skip
         impulse = float(now.impulse[2])
         force = (impulse - self.before.wall_impulse) / (time - self.before.time) if step else 0.0
         row = Row(
@@ -79,9 +76,9 @@ class Ledger:
             wall_impulse=impulse,
             momentum_error=float(abs(now.momentum - start.momentum - now.impulse).max()),
             kinetic=now.kinetic, stored=now.stored, dissipated=now.dissipated,
-            viscous=now.viscous, hourglass=now.hourglass, eroded=now.eroded,
+            hypoelastic=now.hypoelastic, viscous=now.viscous, hourglass=now.hourglass, eroded=now.eroded,
             contact=now.contact, friction=now.friction,
-            numerical=start.kinetic + start.stored - known,
+            numerical=start.energy - now.energy,
             lost=self.method.lost(),
         )  # fmt: skip
         self.before = row

@@ -23,6 +23,7 @@ class Totals(NamedTuple):
     kinetic: float  # mJ
     stored: float  # mJ
     dissipated: float  # by the law, mJ
+    hypoelastic: float  # taken by the law as volume changes under shear, mJ
     viscous: float  # by the bulk viscosity, mJ
     hourglass: float  # taken by the control of hourglass modes, mJ
     eroded: float  # stored in elements when they were deleted, mJ
@@ -31,6 +32,14 @@ class Totals(NamedTuple):
     momentum: Array  # [3], N ms
     impulse: Array  # [3], of the boundaries on the body, N ms
     mass: float  # g
+
+    @property
+    def energy(self) -> float:
+        """Return the sum of all energies, which nothing but numerical error changes [mJ]."""
+        return (
+            self.kinetic + self.stored + self.dissipated + self.hypoelastic + self.viscous + self.hourglass
+            + self.eroded + self.contact + self.friction
+        )  # fmt: skip
 
 
 class Advice(NamedTuple):

@@ -12,7 +12,7 @@ import numba
 
 from viscopoint.sources import digest
 
-FORMAT = 3  # of run folders; 2: hourglass and eroded energy, cells; 3: radii read at the surface
+FORMAT = 4  # of run folders; 2: hourglass and eroded energy, cells; 3: radii at the surface; 4: hypoelastic energy
 PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 
 

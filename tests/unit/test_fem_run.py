@@ -178,7 +178,18 @@ def test_summary_and_provenance_speak_of_elements(done: vp.Run):
     assert (summary["points"], summary["elements"]) == (len(done.body.position), len(done.body.cells))
     assert 0.7 < summary["mesh"]["least_scaled_jacobian"] <= 1.0
     history = done.history
-    terms = ["kinetic", "stored", "dissipated", "viscous", "hourglass", "eroded", "contact", "friction", "numerical"]
+    terms = [
+        "kinetic",
+        "stored",
+        "dissipated",
+        "hypoelastic",
+        "viscous",
+        "hourglass",
+        "eroded",
+        "contact",
+        "friction",
+        "numerical",
+    ]
     assert np.allclose(history[terms].sum(axis=1), history["kinetic"].iloc[0], rtol=1e-12)
 
 

@@ -35,7 +35,7 @@ def test_history_has_a_unit_for_every_column(finished: Path):
 
 def test_ledger_rows_close(finished: Path):
     history = vp.Run(finished).history
-    terms = ["kinetic", "stored", "dissipated", "viscous", "contact", "friction", "numerical"]
+    terms = ["kinetic", "stored", "dissipated", "hypoelastic", "viscous", "contact", "friction", "numerical"]
     total = history[terms].sum(axis=1)
     assert np.allclose(total, total.iloc[0], rtol=1e-12)
 
@@ -93,7 +93,7 @@ def test_summary_and_history_agree(finished: Path):
 
 def test_provenance_says_what_made_the_run(finished: Path):
     provenance = vp.Run(finished).provenance
-    assert provenance["format"] == 3
+    assert provenance["format"] == 4
     for key in ("viscopoint", "python", "numpy", "numba", "machine", "threads", "started", "ended"):
         assert provenance[key], key
 

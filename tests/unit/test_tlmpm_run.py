@@ -71,7 +71,7 @@ def test_a_run_leaves_the_same_folder_as_any(done: vp.Run):
     for name in ("position", "displacement", "velocity", "stress", "jacobian", "maxwell_stress", "lost"):
         assert len(last[name]) == len(done.body.position)
     assert len(list((done.folder / "figures").iterdir())) == 4
-    terms = ["kinetic", "stored", "dissipated", "viscous", "contact", "friction", "numerical"]
+    terms = ["kinetic", "stored", "dissipated", "hypoelastic", "viscous", "contact", "friction", "numerical"]
     assert np.allclose(done.history[terms].sum(axis=1), done.history["kinetic"].iloc[0], rtol=1e-12)
     assert done.rows[-1].lowest_point == pytest.approx(-0.01, abs=1e-10)  # mm, on the wall
 

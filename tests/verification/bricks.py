@@ -142,8 +142,7 @@ def answer(method: FiniteElementMethod, velocity: Array, dt: float) -> Array:
 
 def missing(start: Totals, now: Totals) -> float:
     """Return the share of the initial energy that no account holds."""
-    known = now.kinetic + now.stored + now.dissipated + now.viscous + now.hourglass + now.eroded
-    return 1 - (known + now.contact + now.friction) / (start.kinetic + start.stored)
+    return 1 - now.energy / start.energy
 
 
 def fitted(times: Array, signal: Array, roots: Any) -> complex:

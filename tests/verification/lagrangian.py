@@ -124,5 +124,4 @@ def steps(method: TotalLagrangianMethod, count: int) -> TotalLagrangianMethod:
 
 def missing(start: Totals, now: Totals) -> float:
     """Return the share of the initial energy that no account holds."""
-    known = now.kinetic + now.stored + now.dissipated + now.viscous + now.contact + now.friction
-    return 1 - known / (start.kinetic + start.stored)
+    return 1 - now.energy / start.energy

@@ -35,7 +35,7 @@ def strained(law: Any, factors: Any, state: State, strain: Sym, turn: Matrix = S
     """Advance by a strain increment, a rotation and a volume ratio that need not come from one motion."""
     jacobian = state.jacobian * ratio
     stress, history, loss = update_stress(law, factors, strain, turn, jacobian, state.stress, state.history)
-    return State(stress, history, jacobian, state.dissipated + jacobian * loss)
+    return State(stress, history, jacobian, state.dissipated + 0.5 * (state.jacobian + jacobian) * loss)
 
 
 def moved(law: Any, factors: Any, state: State, displacement_gradient: np.ndarray) -> State:

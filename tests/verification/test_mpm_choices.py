@@ -82,10 +82,9 @@ def test_energy_of_a_small_vibration_closes_to_first_order_in_the_time_step(fill
         start = method.totals()
         advance(method, 0.02)
         now = method.totals()
-        errors.append(1 - (now.kinetic + now.stored) / (start.kinetic + start.stored))
+        errors.append(1 - now.energy / start.energy)
     assert_allclose([errors[0] / errors[1], errors[1] / errors[2]], 2.0, rtol=0.15)
-    # what stays is of the strain's size: rate-form shear stores no exact energy
-    assert abs(2 * errors[2] - errors[1]) < np.abs(method.points.stress).max() / (2 * SHEAR_SHORT)
+    assert abs(2 * errors[2] - errors[1]) < 0.1 * errors[2]  # nothing else is missing
 
 
 @PARTS

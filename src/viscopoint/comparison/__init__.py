@@ -20,7 +20,8 @@ WINDOW = 0.5e-3  # ms over which the wall force is averaged: on a grid it comes 
 NAME = "comparison.json"
 MEASURED = (
     "length", "foot_radius", "greatest_radius", "velocity", "wall_impulse",
-    "kinetic", "stored", "dissipated", "viscous", "hourglass", "eroded", "contact", "friction", "numerical",
+    "kinetic", "stored", "dissipated", "hypoelastic", "viscous", "hourglass", "eroded", "contact", "friction",
+    "numerical",
 )  # fmt: skip
 
 

@@ -16,6 +16,7 @@ ROWS = {  # quantity: what is printed, unit, decimals, what a difference is a sh
     "kinetic": ("kinetic energy", "mJ", 1, "energy"),
     "stored": ("stored energy", "mJ", 1, "energy"),
     "dissipated": ("dissipated by the law", "mJ", 1, "energy"),
+    "hypoelastic": ("hypoelastic (law)", "mJ", 1, "energy"),
     "viscous": ("bulk viscosity", "mJ", 1, "energy"),
     "hourglass": ("hourglass control", "mJ", 1, "energy"),
     "eroded": ("in deleted elements", "mJ", 1, "energy"),

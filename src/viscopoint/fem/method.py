@@ -131,15 +131,16 @@ class FiniteElementMethod:
         return f"element {element}, at ({x:.3g}, {y:.3g}, {z:.3g}) mm, {state}"
 
     def totals(self) -> Totals:
-        moving, straining = np.zeros((CHUNKS, 5)), np.zeros((CHUNKS, 5))
+        moving, straining = np.zeros((CHUNKS, 5)), np.zeros((CHUNKS, 6))
         sum_nodes(self.nodes, moving)
         sum_elements(self.elements, self.law, self.blank, straining)
         kinetic, mass, *momentum = moving.sum(axis=0)
-        stored, dissipated, viscous, hourglass, eroded = (float(energy) for energy in straining.sum(axis=0))
+        stored, dissipated, viscous, hourglass, eroded, hypoelastic = (float(sum_) for sum_ in straining.sum(axis=0))
         return Totals(
             kinetic=float(kinetic),
             stored=stored,
             dissipated=dissipated,
+            hypoelastic=hypoelastic,
             viscous=viscous,
             hourglass=hourglass,
             eroded=eroded,

@@ -38,6 +38,7 @@ class Elements(NamedTuple):
     viscous_pressure: Array  # [e], of the bulk viscosity, MPa
     history: Array  # [e, k, h], the law's
     dissipated: Array  # [e, k], by the law per reference volume, mJ/mm^3
+    hypoelastic: Array  # [e, k], taken by the law as volume changes under shear, per reference volume, mJ/mm^3
     viscous_loss: Array  # [e], by the bulk viscosity, mJ
     memory: Array  # [4 e, 4], forces on the hourglass modes, N, the fourth column unused; empty if there is no control
     hourglass_work: Array  # [e], taken by the hourglass control, mJ
@@ -68,6 +69,7 @@ def elements_at_rest(corner: Indices, volume: Array, history_size: int, modes: i
         viscous_pressure=np.zeros(count),
         history=np.zeros((count, points, history_size)),
         dissipated=np.zeros((count, points)),
+        hypoelastic=np.zeros((count, points)),
         viscous_loss=np.zeros(count),
         memory=np.zeros((count * modes, 4)),
         hourglass_work=np.zeros(count),
@@ -90,10 +92,10 @@ def sum_nodes(nodes: Nodes, sums: Array) -> None:
 
 @kernel
 def sum_elements(elements: Elements, law: Any, blank: History, sums: Array) -> None:
-    """Sum over each chunk of elements into ``sums[chunk, 5]``, in mJ.
+    """Sum over each chunk of elements into ``sums[chunk, 6]``, in mJ.
 
-    The energies are: stored, dissipated by the law, by the bulk viscosity, taken by the hourglass control, and stored
-    in elements when they were deleted.
+    The energies are: stored, dissipated by the law, by the bulk viscosity, taken by the hourglass control, stored in
+    elements when they were deleted, and taken by the law as volume changes under shear.
     """
     total = len(elements.alive)
     for chunk in prange(CHUNKS):
@@ -106,6 +108,7 @@ def sum_elements(elements: Elements, law: Any, blank: History, sums: Array) -> N
                     law, elements.jacobian[e], read(elements.stress[e, k]), load(elements.history[e, k], blank)
                 )
                 row[1] += volume * elements.dissipated[e, k]
+                row[5] += volume * elements.hypoelastic[e, k]
             row[0 if elements.alive[e] else 4] += stored
             row[2] += elements.viscous_loss[e]
             row[3] += elements.hourglass_work[e]

@@ -9,6 +9,7 @@ TERMS = {
     "kinetic": "kinetic",
     "stored": "stored",
     "dissipated": "dissipated by the law",
+    "hypoelastic": "hypoelastic (law without potential)",
     "viscous": "bulk viscosity",
     "hourglass": "hourglass control",
     "eroded": "in deleted elements",

@@ -62,6 +62,31 @@ def stored_energy(law: Any, jacobian: float, stress: Sym, history: History) -> f
     raise NotImplementedError
 
 
+@generic
+def shear_energy(law: Any, stress: Sym, history: History) -> float:
+    """Return the shear's share of the recoverable energy, per current volume [mJ/mm³]."""
+    raise NotImplementedError
+
+
+@inline
+def hypoelastic_work(law: Any, growth: float, stress: Sym, history: History, after: Sym, later: History) -> float:
+    """Return what a step in which J grows by ``growth`` takes, per reference volume [mJ/mm³], beside all other terms.
+
+    The shear's energy e per current volume follows the strain: J de is work done, less what the law dissipates. The
+    energy stored is J e; nothing pays for its other part, e dJ. Laws that are linear in Cauchy stress by the Jaumann
+    rate have no potential where volume changes under shear, and give or take so much (Simo & Hughes 1998, 7.3).
+
+    Args:
+        law: the parameters.
+        growth: change of J.
+        stress: Cauchy stress at the step's start [MPa].
+        history: the law's history values at its start.
+        after: the stress at its end.
+        later: the history at its end.
+    """
+    return -0.5 * growth * (shear_energy(law, stress, history) + shear_energy(law, after, later))
+
+
 @inline
 def volumetric_energy(bulk: float, jacobian: float, log_jacobian: float) -> float:
     """Return ∫ K ln J dJ, the energy per reference volume that p = -K ln J stores."""

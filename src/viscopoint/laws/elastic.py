@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 from viscopoint.inputs import Material
 from viscopoint.jit import implements
-from viscopoint.laws import History, step_factors, stored_energy, update_stress, volumetric_energy
+from viscopoint.laws import History, shear_energy, step_factors, stored_energy, update_stress, volumetric_energy
 from viscopoint.tensors import Matrix, Sym, contract, deviator, rotated, spherical
 from viscopoint.units import Density, Modulus, PositiveModulus
 
@@ -61,6 +61,10 @@ def update(
 
 @implements(stored_energy, Elastic)
 def energy(law: Elastic, jacobian: float, stress: Sym, history: History) -> float:
+    return volumetric_energy(law.bulk, jacobian, math.log(jacobian)) + jacobian * shear_energy(law, stress, history)
+
+
+@implements(shear_energy, Elastic)
+def spring_energy(law: Elastic, stress: Sym, history: History) -> float:
     shape = deviator(stress)
-    volume = volumetric_energy(law.bulk, jacobian, math.log(jacobian))
-    return volume + (jacobian * contract(shape, shape) / (4.0 * law.shear) if law.shear > 0.0 else 0.0)
+    return contract(shape, shape) / (4.0 * law.shear) if law.shear > 0.0 else 0.0

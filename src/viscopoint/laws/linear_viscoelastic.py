@@ -6,7 +6,7 @@ A spring G_long beside a Maxwell arm G_short - G_long whose deviatoric stress is
 material (Jaumann rate) and the arm is integrated exactly for a constant strain rate over the step (eq. 9).
 
 The law is hypoelastic: no potential gives it where shear and volume change together. The stored energy J S:S / 4G
-differs from the work done by about 1 - J of the shear's share, which appears in the ledger's remainder.
+differs from the work done by ``laws.hypoelastic_work``, which the ledger counts.
 """
 
 import math
@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 
 from viscopoint.inputs import Material
 from viscopoint.jit import implements, inline
-from viscopoint.laws import History, step_factors, stored_energy, update_stress, volumetric_energy
+from viscopoint.laws import History, shear_energy, step_factors, stored_energy, update_stress, volumetric_energy
 from viscopoint.rules import rule
 from viscopoint.tensors import Matrix, Sym, components, contract, deviator, read, rotated, spherical
 from viscopoint.units import Decay, Density, Modulus, PositiveModulus
@@ -110,6 +110,11 @@ def update(
 
 @implements(stored_energy, LinearViscoelastic)
 def energy(law: LinearViscoelastic, jacobian: float, stress: Sym, history: History) -> float:
+    return volumetric_energy(law.bulk, jacobian, math.log(jacobian)) + jacobian * shear_energy(law, stress, history)
+
+
+@implements(shear_energy, LinearViscoelastic)
+def springs_energy(law: LinearViscoelastic, stress: Sym, history: History) -> float:
     arm = read(history)
     spring = deviator(stress) - arm
     shear = 0.0
@@ -117,7 +122,7 @@ def energy(law: LinearViscoelastic, jacobian: float, stress: Sym, history: Histo
         shear += contract(spring, spring) / (4.0 * law.shear_long)
     if law.shear_arm > 0.0:
         shear += contract(arm, arm) / (4.0 * law.shear_arm)
-    return volumetric_energy(law.bulk, jacobian, math.log(jacobian)) + jacobian * shear
+    return shear
 
 
 @inline

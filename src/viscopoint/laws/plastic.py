@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from viscopoint.inputs import Material
 from viscopoint.jit import generic, implements
-from viscopoint.laws import History, step_factors, stored_energy, update_stress
+from viscopoint.laws import History, shear_energy, step_factors, stored_energy, update_stress
 from viscopoint.laws.elastic import Elastic, ElasticModuli
 from viscopoint.laws.linear_viscoelastic import LinearViscoelastic, MaxwellStep, ViscoelasticModuli
 from viscopoint.tensors import Matrix, Sym, contract, deviator, von_mises
@@ -138,7 +138,12 @@ def base_energy(law: Any, jacobian: float, stress: Sym, history: History) -> flo
     return stored_energy(base_law(law), jacobian, stress, history[:-1])
 
 
+def base_shear_energy(law: Any, stress: Sym, history: History) -> float:
+    return shear_energy(base_law(law), stress, history[:-1])
+
+
 for _law in (ElasticPlastic, ViscoelasticPlastic):
     implements(step_factors, _law)(base_factors)
     implements(update_stress, _law)(radial_return)
     implements(stored_energy, _law)(base_energy)
+    implements(shear_energy, _law)(base_shear_energy)

@@ -129,18 +129,18 @@ class MaterialPointMethod:
     # --- what the driver and the outputs ask ---
 
     def totals(self) -> Totals:
-        chunks = np.zeros((CHUNKS, 8))
+        chunks = np.zeros((CHUNKS, 9))
         sum_points(self.points, self.law, self.blank, chunks)
         sums = chunks.sum(axis=0)
         return Totals(
-            *(float(energy) for energy in sums[:4]),
+            *(float(energy) for energy in sums[:5]),
             hourglass=0.0,
             eroded=0.0,
             contact=0.0 - float(self.tally[3]),
             friction=0.0 - float(self.tally[4]),
-            momentum=sums[5:8],
+            momentum=sums[6:9],
             impulse=self.tally[:3].copy(),
-            mass=float(sums[4]),
+            mass=float(sums[5]),
         )
 
     def positions(self) -> Array:

@@ -23,6 +23,7 @@ class Points(NamedTuple):
     viscous_pressure: Array  # [p], of the bulk viscosity, MPa
     history: Array  # [p, h], the law's
     dissipated: Array  # [p], by the law per reference volume, mJ/mm^3
+    hypoelastic: Array  # [p], taken by the law as volume changes under shear, per reference volume, mJ/mm^3
     viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
     stretch: Array  # [p, 3], of the material along x, y and z; no rows where nobody asks for it
     affine: Array  # [p, 9], what a transfer keeps of the motion around the point; [0, 9] if it keeps nothing
@@ -42,6 +43,7 @@ def at_rest(position: Array, mass: Array, volume: Array, history_size: int, affi
         viscous_pressure=np.zeros(count),
         history=np.zeros((count, history_size)),
         dissipated=np.zeros(count),
+        hypoelastic=np.zeros(count),
         viscous_loss=np.zeros(count),
         stretch=np.ones((0, 3)),
         affine=np.zeros((count if affine else 0, 9)),

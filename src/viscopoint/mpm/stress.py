@@ -8,7 +8,7 @@ from numba import prange
 from viscopoint.arrays import Array
 from viscopoint.jit import kernel
 from viscopoint.kinematics import increments
-from viscopoint.laws import History, stored_energy, update_stress
+from viscopoint.laws import History, hypoelastic_work, stored_energy, update_stress
 from viscopoint.mpm.grid import CHUNKS, Grid
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import around, gradient
@@ -37,7 +37,7 @@ def update_points(
     [mm/ms] and ``volume`` one of ``mpm.volumes``.
     """
     jacobian, viscous, critical = points.jacobian, points.viscous_pressure, grid.critical
-    dissipated, viscous_loss = points.dissipated, points.viscous_loss
+    dissipated, hypoelastic, viscous_loss = points.dissipated, points.hypoelastic, points.viscous_loss
     stretch, stretches = points.stretch, len(points.stretch) > 0
     scale, per_dt = dt * grid.per_cell, 1.0 / dt
     for slab in prange(len(grid.start) - 2):
@@ -49,9 +49,8 @@ def update_points(
             strain, turn, ratio = increments(moved)
             strain, ratio = dilated(volume, points, p, grid, strain, ratio)
             before, after = jacobian[p], jacobian[p] * ratio
-            stress, history, loss = update_stress(
-                law, factors, strain, turn, after, read(points.stress[p]), load(points.history[p], blank)
-            )
+            earlier, memory = read(points.stress[p]), load(points.history[p], blank)
+            stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
             jacobian[p] = after
             if stretches:
                 stretch[p, 0] *= 1.0 + moved.xx
@@ -59,7 +58,8 @@ def update_points(
                 stretch[p, 2] *= 1.0 + moved.zz
             write(points.stress[p], stress)
             store(points.history[p], history)
-            dissipated[p] += after * loss
+            dissipated[p] += 0.5 * (before + after) * loss
+            hypoelastic[p] += hypoelastic_work(law, after - before, earlier, memory, stress, history)
             # the pressure that pushed the nodes since the stress was last updated
             viscous_loss[p] -= before * viscous[p] * trace(strain)
             rate = trace(strain) * per_dt
@@ -74,9 +74,9 @@ def update_points(
 
 @kernel
 def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
-    """Sum over each chunk of points: kinetic, stored, law-dissipated, viscous energy; mass; momentum.
+    """Sum over each chunk of points: kinetic, stored, law-dissipated, hypoelastic, viscous energy; mass; momentum.
 
-    They go into ``sums[chunk, 8]``, in mJ, g and g mm/ms. Points that were lost keep what they had and are in it.
+    They go into ``sums[chunk, 9]``, in mJ, g and g mm/ms. Points that were lost keep what they had and are in it.
     """
     total = len(points.mass)
     for chunk in prange(CHUNKS):
@@ -89,7 +89,8 @@ def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
                 law, points.jacobian[p], read(points.stress[p]), load(points.history[p], blank)
             )
             row[2] += volume * points.dissipated[p]
-            row[3] += volume * points.viscous_loss[p]
-            row[4] += m
+            row[3] += volume * points.hypoelastic[p]
+            row[4] += volume * points.viscous_loss[p]
+            row[5] += m
             for a in range(3):
-                row[5 + a] += m * v[a]
+                row[6 + a] += m * v[a]

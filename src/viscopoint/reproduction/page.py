@@ -117,8 +117,8 @@ def _decoding(made: "Reproduction") -> Section:
 
 def _ledgers(made: "Reproduction") -> Section:
     head = (
-        "run", "kinetic (mJ)", "stored", "dissipated", "bulk viscosity", "hourglass", "at the wall", "remainder",
-        "worst remainder (%)", "momentum error (N ms)",
+        "run", "kinetic (mJ)", "stored", "dissipated", "hypoelastic", "bulk viscosity", "hourglass", "at the wall",
+        "remainder", "worst remainder (%)", "momentum error (N ms)",
     )  # fmt: skip
     rows = tuple(_ledger(f"{group}/{name}", run) for group, runs in made.runs.items() for name, run in runs.items())
     note = (
@@ -130,9 +130,9 @@ def _ledgers(made: "Reproduction") -> Section:
 
 def _ledger(name: str, run: Run) -> tuple[str, ...]:
     row = run.rows[-1]
-    energies = (row.kinetic, row.stored, row.dissipated, row.viscous, row.hourglass, row.contact, row.numerical)
+    losses = (row.dissipated, row.hypoelastic, row.viscous, row.hourglass, row.contact, row.numerical)
     worst = (f"{run.results.energy_error:.2f}", f"{run.results.momentum_error:.0e}")
-    return (name, *(f"{energy:.1f}" for energy in energies), *worst)
+    return (name, *(f"{energy:.1f}" for energy in (row.kinetic, row.stored, *losses)), *worst)
 
 
 def _provenance(made: "Reproduction") -> Section:

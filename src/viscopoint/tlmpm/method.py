@@ -148,15 +148,16 @@ class TotalLagrangianMethod:
     # --- what the driver and the outputs ask ---
 
     def totals(self) -> Totals:
-        moving, straining = np.zeros((CHUNKS, 5)), np.zeros((CHUNKS, 3))
+        moving, straining = np.zeros((CHUNKS, 5)), np.zeros((CHUNKS, 4))
         sum_nodes(self.nodes, moving)
         sum_points(self.points, self.law, self.blank, straining)
         kinetic, mass, *momentum = moving.sum(axis=0)
-        stored, dissipated, viscous = (float(energy) for energy in straining.sum(axis=0))
+        stored, dissipated, viscous, hypoelastic = (float(energy) for energy in straining.sum(axis=0))
         return Totals(
             kinetic=float(kinetic),
             stored=stored,
             dissipated=dissipated,
+            hypoelastic=hypoelastic,
             viscous=viscous,
             hourglass=0.0,
             eroded=0.0,

@@ -21,6 +21,7 @@ class Points(NamedTuple):
     viscous_pressure: Array  # [p], of the bulk viscosity, MPa
     history: Array  # [p, h], the law's
     dissipated: Array  # [p], by the law per reference volume, mJ/mm^3
+    hypoelastic: Array  # [p], taken by the law as volume changes under shear, per reference volume, mJ/mm^3
     viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
 
 
@@ -37,6 +38,7 @@ def at_rest(position: Array, volume: Array, history_size: int) -> Points:
         viscous_pressure=np.zeros(count),
         history=np.zeros((count, history_size)),
         dissipated=np.zeros(count),
+        hypoelastic=np.zeros(count),
         viscous_loss=np.zeros(count),
     )
 

@@ -9,7 +9,7 @@ from viscopoint.arrays import Array
 from viscopoint.fem.state import CHUNKS
 from viscopoint.jit import kernel
 from viscopoint.kinematics import strain_and_turn
-from viscopoint.laws import History, stored_energy, update_stress
+from viscopoint.laws import History, hypoelastic_work, stored_energy, update_stress
 from viscopoint.rows import load, store
 from viscopoint.tensors import determinant, deviator, read, spherical, trace, write
 from viscopoint.tlmpm.finite import added, cofactor, on_areas, square, steepest, times_transposed
@@ -34,7 +34,8 @@ def strain_points(
     [mm/ms], ``volume`` one of ``tlmpm.volumes`` and ``reach`` as in ``tlmpm.stability``.
     """
     position, jacobian, viscous = points.position, points.jacobian, points.viscous_pressure
-    dissipated, viscous_loss, force = points.dissipated, points.viscous_loss, lattice.force
+    dissipated, hypoelastic = points.dissipated, points.hypoelastic
+    viscous_loss, force = points.viscous_loss, lattice.force
     x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
     slabs = len(lattice.start) - 1
     for colour in range(2):
@@ -58,13 +59,13 @@ def strain_points(
                 strain, turn = strain_and_turn(times_transposed(1.0 / det_middle, step, cofactor(middle)))
                 swelling = trace(strain)
                 strain, after = dilated(volume, points, p, lattice, strain, det_now)
-                stress, history, loss = update_stress(
-                    law, factors, strain, turn, after, read(points.stress[p]), load(points.history[p], blank)
-                )
-                jacobian[p] = after
+                earlier, memory = read(points.stress[p]), load(points.history[p], blank)
+                stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
+                growth, jacobian[p] = after - jacobian[p], after
                 write(points.stress[p], stress)
                 store(points.history[p], history)
-                dissipated[p] += after * loss
+                dissipated[p] += (after - 0.5 * growth) * loss
+                hypoelastic[p] += hypoelastic_work(law, growth, earlier, memory, stress, history)
                 areas = cofactor(now)
                 inverse = square(1.0 / det_now, areas)  # C⁻¹
                 length = 1.0 / math.sqrt(max(x * x * inverse.xx, y * y * inverse.yy, z * z * inverse.zz))
@@ -83,7 +84,10 @@ def strain_points(
 
 @kernel
 def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
-    """Sum over each chunk of points into ``sums[chunk, 3]`` the energy stored, and lost to law and bulk viscosity."""
+    """Sum over each chunk of points into ``sums[chunk, 4]`` the energy stored, and lost to law and bulk viscosity.
+
+    The fourth is what the law takes as volume changes under shear.
+    """
     total = len(points.volume)
     for chunk in prange(CHUNKS):
         row = sums[chunk]
@@ -94,6 +98,7 @@ def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
             )
             row[1] += volume * points.dissipated[p]
             row[2] += volume * points.viscous_loss[p]
+            row[3] += volume * points.hypoelastic[p]
 
 
 @kernel

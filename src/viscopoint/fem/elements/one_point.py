@@ -24,7 +24,7 @@ from viscopoint.fem.mesh import Slabs
 from viscopoint.fem.state import Elements, Nodes
 from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
-from viscopoint.laws import History, update_stress
+from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.rows import load, store
 from viscopoint.tensors import Columns, Sym, applied, matrix, read, spherical, sym_columns, trace, write
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
@@ -63,7 +63,8 @@ def strain_one_point(
 ) -> None:  # fmt: skip
     """Update J, σ, bulk viscosity and hourglass forces of each element; spread its forces to its corners."""
     alive, jacobian, viscous = elements.alive, elements.jacobian, elements.viscous_pressure
-    dissipated, viscous_loss, hourglass_work = elements.dissipated, elements.viscous_loss, elements.hourglass_work
+    dissipated, hypoelastic = elements.dissipated, elements.hypoelastic
+    viscous_loss, hourglass_work = elements.viscous_loss, elements.hourglass_work
     critical, weakest = limits.critical, limits.weakest
     count = len(slabs.start) - 1
     for colour in range(2):
@@ -89,13 +90,13 @@ def strain_one_point(
                 gradient = mean_gradient(flow, half, dt / mid_volume)
                 strain, turn = strain_and_turn(matrix(gradient))
                 before, after = jacobian[e], now / elements.volume[e, 0]
-                stress, history, loss = update_stress(
-                    law, factors, strain, turn, after, read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
-                )
+                earlier, memory = read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
+                stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
                 write(elements.stress[e, 0], stress)
                 store(elements.history[e, 0], history)
                 jacobian[e] = after
-                dissipated[e, 0] += after * loss
+                dissipated[e, 0] += 0.5 * (before + after) * loss
+                hypoelastic[e, 0] += hypoelastic_work(law, after - before, earlier, memory, stress, history)
 
                 length, here = smallest_length(reach, now), sound * math.sqrt(after)
                 rate = trace(strain) / dt
@@ -105,9 +106,9 @@ def strain_one_point(
                 viscous[e] = pressure
 
                 slip = unexplained(flow, dt, gradient, middle)
-                earlier = recalled(elements.memory, e)
+                resistance = recalled(elements.memory, e)
                 force, work = resist(
-                    hourglass, earlier, slip, turn, dt, law.density * elements.volume[e, 0], here, length
+                    hourglass, resistance, slip, turn, dt, law.density * elements.volume[e, 0], here, length
                 )
                 remember(elements.memory, e, force)
                 hourglass_work[e] += work

@@ -30,7 +30,7 @@ from viscopoint.fem.mesh import Slabs
 from viscopoint.fem.state import Elements, Nodes
 from viscopoint.jit import kernel
 from viscopoint.kinematics import strain_and_turn
-from viscopoint.laws import History, update_stress
+from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.rows import load, store
 from viscopoint.tensors import deviator, dot, matrix, read, spherical, sym_columns, trace, write
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
@@ -67,7 +67,7 @@ def strain_selective(
 ) -> None:  # fmt: skip
     """Update J and bulk viscosity of each element, σ of its points; spread its forces to its corners."""
     alive, jacobian, viscous = elements.alive, elements.jacobian, elements.viscous_pressure
-    dissipated, viscous_loss = elements.dissipated, elements.viscous_loss
+    dissipated, hypoelastic, viscous_loss = elements.dissipated, elements.hypoelastic, elements.viscous_loss
     critical, weakest = limits.critical, limits.weakest
     count = len(slabs.start) - 1
     for colour in range(2):
@@ -86,7 +86,8 @@ def strain_selective(
                 reference = 0.0
                 for k in range(8):
                     reference += elements.volume[e, k]
-                before, after = jacobian[e], now / reference
+                before, after = float(jacobian[e]), now / reference
+                growth = after - before
                 stretch = mean_gradient(flow, half, dt / volume(middle, half))
                 swelling = stretch.x.x + stretch.y.y + stretch.z.z
                 on, mean, sharpest, whole = no_modes(), 0.0, 0.0, now > 0.0
@@ -100,13 +101,12 @@ def strain_selective(
                     gradient = local_gradient(slopes(flow, xi, eta, zeta), mid_faces, dt / mid_det)
                     strain, turn = strain_and_turn(matrix(gradient))
                     strain = deviator(strain) + spherical(swelling / 3.0)
-                    stress, history, loss = update_stress(
-                        law, factors, strain, turn, after, read(elements.stress[e, k]),
-                        load(elements.history[e, k], blank),
-                    )  # fmt: skip
+                    earlier, memory = read(elements.stress[e, k]), load(elements.history[e, k], blank)
+                    stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
                     write(elements.stress[e, k], stress)
                     store(elements.history[e, k], history)
-                    dissipated[e, k] += after * loss
+                    dissipated[e, k] += 0.5 * (before + after) * loss
+                    hypoelastic[e, k] += hypoelastic_work(law, growth, earlier, memory, stress, history)
                     mean += det * trace(stress) / 3.0
                     pull = -0.125 * deviator(stress)
                     on = gathered(on, sym_columns(pull), faces, xi, eta, zeta)

@@ -143,7 +143,7 @@ def limits(runs: dict[tuple[str, str, float], vp.Run]) -> None:
 def copper() -> None:
     """Print length and foot radius of the copper bar and their limits."""
     head = "element,size,length,foot radius,steps,hourglass %,ledger worst %"
-    runs = {(el, h): finished("copper", el, h, {}) for el in ELEMENTS for h in COPPER_SIZES[el]}
+    runs = {(el, h): finished("copper-fem", el, h, {}) for el in ELEMENTS for h in COPPER_SIZES[el]}
     rows = []
     for (element, size), run in runs.items():
         end: Row = run.rows[-1]

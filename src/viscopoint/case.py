@@ -21,6 +21,8 @@ from viscopoint.rules import broken
 from viscopoint.tlmpm.inputs import TotalLagrangianInput
 
 LONGEST_FILE = 1_000_000  # bytes
+RECOMMENDED, RADIUS_IN_SPACINGS = "tlmpm", 10.0  # the method of a case that names none
+SECONDARY = ("misfit", "default_factory_not_called")  # told by ``broken``; made by another fault
 
 
 def _materials(base: type[Material] = Material) -> Iterator[type[Material]]:
@@ -75,10 +77,11 @@ class Case(Table):
     @classmethod
     def from_tables(cls, tables: Mapping[str, Any], source: str = "the case") -> Self:
         """Check tables as they stand in a TOML file; raise ``CaseError`` with all faults."""
+        tables = _with_method(tables)
         try:
             return cls.model_validate(dict(tables))
         except ValidationError as error:
-            faults = [explain(detail, cls, tables) for detail in error.errors() if detail["type"] != "misfit"]
+            faults = [explain(detail, cls, tables) for detail in error.errors() if detail["type"] not in SECONDARY]
             raise CaseError(source, faults + list(broken(valid_values(cls, tables)))) from None
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **tables: Mapping[str, Any]) -> Self:
@@ -156,6 +159,15 @@ def _replaced(own: MethodInput, name: str) -> dict[str, Any]:
         raise InputError(f"method '{name}': the case's own takes its resolution from a file; write a [method] table")
     shared = {"bulk_viscosity": own.bulk_viscosity.model_dump(mode="json")}
     return METHODS[name].at_resolution(own.resolution()) | shared
+
+
+def _with_method(tables: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return tables with the recommended method, if they name none, at its usual spacing, if they give none."""
+    own, rod = tables.get("method", {}), tables.get("rod")
+    if not isinstance(own, Mapping) or own.get("name", RECOMMENDED) != RECOMMENDED:
+        return tables
+    radius = valid_values(Rod, rod).get("radius", 1.0) if isinstance(rod, Mapping) else 1.0  # of any: told elsewhere
+    return {**tables, "method": {"name": RECOMMENDED, "spacing": f"{radius / RADIUS_IN_SPACINGS!r} mm", **own}}
 
 
 def _located(tables: dict[str, Any], source: Path) -> dict[str, Any]:

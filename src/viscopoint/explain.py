@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
 
 from viscopoint.errors import Fault, nearest
 from viscopoint.units import Quantity
@@ -66,9 +67,9 @@ def valid_values(table: type[BaseModel], given: Mapping[str, Any], prefix: str =
     """Return the values, by dotted key, of the keys that are right each for itself."""
     values: dict[str, Any] = {}
     for name, field in table.model_fields.items():
-        value = given.get(name, field.default)
         tables = list(_tables(field.annotation))
-        if name not in given and not tables and not field.is_required():
+        value = given[name] if name in given else _default(field, values, prefix)
+        if name not in given and not tables and value is not PydanticUndefined:
             values[prefix + name] = value  # a default is in our units already
             continue
         for inner in tables:
@@ -79,6 +80,15 @@ def valid_values(table: type[BaseModel], given: Mapping[str, Any], prefix: str =
                 kind: Any = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
                 values[prefix + name] = TypeAdapter(kind, config=_CONFIG).validate_python(value)
     return values
+
+
+def _default(field: FieldInfo, values: Mapping[str, Any], prefix: str) -> Any:
+    """Return a key's default, which others may give; ``PydanticUndefined`` if it has none, or they are wrong."""
+    known = {key.removeprefix(prefix): value for key, value in values.items()}
+    try:
+        return field.get_default(call_default_factory=True, validated_data=known)
+    except KeyError:
+        return PydanticUndefined
 
 
 def _fits(table: type[BaseModel], value: Any) -> bool:

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from viscopoint.case import Case
 from viscopoint.cli import app
 from viscopoint.fem.inputs import FEMInput
+from viscopoint.mpm.inputs import MPMInput
 from viscopoint.tlmpm.inputs import TotalLagrangianInput
 
 QUICK = [
@@ -153,14 +154,15 @@ def test_show_refuses_a_folder_that_is_not_a_run(tmp_path: Path, finished: Path,
 
 def test_cases_new_and_schema(tmp_path: Path):
     assert {line.split()[0] for line in call("cases")[1].splitlines()} == {
-        "copper", "paper", "paper-6.5", "paper-65", "paper-elastic",
+        "copper", "copper-fem", "paper", "paper-6.5", "paper-65", "paper-elastic",
     }  # fmt: skip
     assert json.loads(call("schema")[1])["title"] == "Case"
     file = tmp_path / "mine.toml"
     assert call("new", file)[0] == 0
     assert call("new", file)[0] == 2
     assert call("new", tmp_path / "absent" / "mine.toml")[0] == 2
-    assert call("run", file, "--out", tmp_path / "run", "--no-figures", *QUICK)[0] == 0
+    quick = ("--set", "method.spacing=0.9 mm", "--set", "time.end=1 us", "--set", "time.snapshots=[]")
+    assert call("run", file, "--out", tmp_path / "run", "--no-figures", *quick)[0] == 0
 
 
 def uncommented(lines: list[str], besides: str) -> str:
@@ -187,15 +189,30 @@ def test_starter_case_shows_the_finite_element_method_as_the_alternative(tmp_pat
     assert set(shown["method"]) | {"mesh"} == set(FEMInput.model_fields)
 
 
-def test_starter_case_shows_the_total_lagrangian_method_as_another(tmp_path: Path):
+def test_starter_case_shows_the_material_point_method_as_another(tmp_path: Path):
     file = tmp_path / "mine.toml"
     call("new", file)
     table = [line[4:] for line in file.read_text().splitlines() if line.startswith("### ")]
-    shown, kept = (tomllib.loads(text) for text in (uncommented(table, besides="#none"), "\n".join(table)))
+    shown, kept = (tomllib.loads(text) for text in (uncommented(table, besides="# #"), "\n".join(table)))
     case = Case.load(file).to_tables()
-    assert Case.from_tables(case | shown) == Case.from_tables(case | kept)
-    assert kept["method"] == {"name": "tlmpm", "spacing": "0.38 mm", "cell": "0.76 mm"}
-    assert set(shown["method"]) == set(TotalLagrangianInput.model_fields)
+    assert Case.from_tables(case | shown) == Case.from_tables(case | kept).resolved()
+    assert kept["method"] == {"name": "mpm", "spacing": "0.38 mm", "cell": "0.5 mm"}
+    assert set(shown["method"]) | {"order"} == set(MPMInput.model_fields)
+
+
+def test_starter_case_takes_the_recommended_method_as_any_case_that_names_none(tmp_path: Path):
+    file = tmp_path / "mine.toml"
+    call("new", file)
+    case = Case.load(file)
+    assert isinstance(case.method, TotalLagrangianInput)
+    assert case.method.spacing == pytest.approx(case.rod.radius / 10)
+    assert case.method.cell == 2 * case.method.spacing
+    tables = tomllib.loads(file.read_text())
+    del tables["method"]
+    assert Case.from_tables(tables) == Case.from_tables(tables | {"method": {}}) == case
+    coarse = Case.from_tables(tables | {"method": {"spacing": "0.5 mm"}}).method
+    assert isinstance(coarse, TotalLagrangianInput)
+    assert (coarse.spacing, coarse.cell) == (0.5, 1.0)
 
 
 def test_ctrl_c_ends_with_code_130_and_keeps_what_was_computed(tmp_path: Path):

@@ -121,7 +121,7 @@ def test_bad_input_gives_one_message_and_code_2_and_writes_nothing(
 
 def test_a_rule_on_keys_that_are_left_out_names_its_fault():
     with pytest.raises(vp.CaseError, match=r"1 fault:\n  impact\.wall: .* impact\.gap and impact\.friction must be 0"):
-        vp.Case.load("copper", {"impact.friction": 0.1})
+        vp.Case.load("copper-fem", {"impact.friction": 0.1})
 
 
 def test_what_both_methods_share_is_kept_when_the_method_is_changed(tmp_path: Path):

@@ -93,7 +93,7 @@ LENGTH, FOOT = (21.42, 21.43), (7.22, 7.233)  # mm, the finest published values 
 
 
 def bar(element: str, size: float) -> Row:
-    run = vp.run(vp.Case.load("copper", {"method.element": element, "method.size": f"{size!r} mm"}), figures=False)
+    run = vp.run(vp.Case.load("copper-fem", {"method.element": element, "method.size": f"{size!r} mm"}), figures=False)
     assert run.status == "complete"
     assert run.results.energy_error < 0.2  # %
     return run.rows[-1]

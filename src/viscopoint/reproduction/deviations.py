@@ -159,9 +159,12 @@ def noise(run: Run, snapshot: Snapshot) -> float:
     Along each column of points or elements in the lowest diameter of the rod: a smooth field has next to none, what
     changes its sign from layer to layer has all.
     """
-    pressure = snapshot["pressure"]
-    layers = len(run.body.surface.ring) - (1 if snapshot.fields["pressure"].on == "cells" else 0)
-    columns = pressure.reshape(layers, -1)
+    body, field = run.body, snapshot.fields["pressure"]
+    on_cells = field.on == "cells"
+    height = body.position[body.cells].mean(axis=1)[:, 2] if on_cells else body.position[:, 2]
+    solid = np.ones(len(height), bool) if on_cells else body.volume > 0.0  # some points only watch
+    layers = len(np.unique(np.round(height[solid], 6)))
+    columns = field.values[solid].reshape(layers, -1)
     lowest = columns[: round(layers * 2.0 * run.case.rod.radius / run.case.rod.length) + 1]
     return float(np.sqrt(np.mean((lowest[1:-1] - 0.5 * (lowest[:-2] + lowest[2:])) ** 2)))
 

@@ -17,6 +17,7 @@ from viscopoint.tlmpm.volumes import VOLUMES
 from viscopoint.units import Length
 
 NODAL = ("trilinear", "gimp")  # of the shape functions those that see nothing of the body beyond its plane of nodes
+USUAL_CELL = 2.0  # spacings
 BYTES_PER_POINT = 900  # points, grid, one snapshot being written: a generous count
 
 
@@ -25,7 +26,7 @@ class TotalLagrangianInput(MethodInput):
 
     name: Literal["tlmpm"]
     spacing: Length
-    cell: Length
+    cell: Length = Field(default_factory=lambda known: USUAL_CELL * known["spacing"])
     layers: int = Field(default=1, ge=1, le=100)  # of points in a cell's height
     fill: one_of(FILLING) = "trimmed"  # pyright: ignore[reportInvalidTypeForm]
     shape: one_of(NODAL) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
@@ -37,7 +38,7 @@ class TotalLagrangianInput(MethodInput):
 
     @classmethod
     def at_resolution(cls, distance: float) -> dict[str, Any]:
-        return {"name": "tlmpm", "spacing": f"{distance!r} mm", "cell": f"{2.0 * distance!r} mm"}
+        return {"name": "tlmpm", "spacing": f"{distance!r} mm"}
 
     def completed(self, rod: Rod, impact: Impact) -> Self:
         return self

@@ -15,6 +15,7 @@ from viscopoint.body import Body
 from viscopoint.method import Totals
 from viscopoint.mpm.shapes import SHAPES
 from viscopoint.tlmpm.filling import FILLING, watched
+from viscopoint.tlmpm.lattice import Lattice
 from viscopoint.tlmpm.method import Discretisation, TotalLagrangianMethod
 from viscopoint.tlmpm.volumes import VOLUMES
 from viscopoint.viscosity import BulkViscosity
@@ -42,10 +43,11 @@ def lagrangian(
     volume: str = "cell-mean",
     safety: float = 0.9,
     viscosity: tuple[float, float] = (0.0, 0.0),
+    lattice: type[Lattice] = Lattice,
 ) -> TotalLagrangianMethod:
     """Return a method on a body; ``motion`` is the velocity at a place [mm/ms]."""
     choices = Discretisation(
-        cell, SHAPES[shape].fitted(0.5), VOLUMES[volume], safety, BulkViscosity(*viscosity), origin
+        cell, SHAPES[shape].fitted(0.5), VOLUMES[volume], safety, BulkViscosity(*viscosity), origin, lattice
     )
     method = TotalLagrangianMethod(body, law, boundaries, choices, (0.0, 0.0, 0.0))
     method.nodes.velocity[:] = motion(method.reference)

@@ -6,7 +6,7 @@ from viscopoint.arrays import Array
 from viscopoint.jit import inline
 from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.shapes import Weights
-from viscopoint.mpm.support import Support
+from viscopoint.mpm.support import Support, pull_in
 from viscopoint.tensors import Matrix, Sym
 
 
@@ -25,6 +25,8 @@ def middle(weights: Weights) -> float:
 @inline
 def inertia(weights: Weights) -> float:
     """Return D = Σ N (x_i - x_p)² along one axis, in cells². The three axes do not mix: Σ N (x_i - x_p) = 0."""
+    if len(weights) == 1:
+        return 1.0  # nothing varies along this axis: any but 0
     place, sum_of_squares = middle(weights), 0.0
     for a in range(len(weights)):
         sum_of_squares += weights[a] * (a - place) * (a - place)
@@ -90,6 +92,7 @@ def spread_force(grid: Grid, at: Support, s: Sym) -> None:
                 force[node, 1] += s.xy * gx + s.yy * gy + s.yz * gz
                 force[node, 2] += s.zx * gx + s.yz * gy + s.zz * gz
                 force[node, 3] += 0.0  # keeps the row one vector
+    pull_in(at, force, grid, s.yy)
 
 
 @inline

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from viscopoint.arrays import Array
 from viscopoint.jit import kernel
+from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.points import Points
 
 SLAB = 3  # layers of cells; their points may act on twice as many nodes along z, all told
@@ -51,15 +52,27 @@ class Grid(NamedTuple):
     start: NDArray[np.int64]  # [slabs + 2], where each slab, then what is outside, begins; and the end
     critical: Array  # [slabs], least stable step of each, ms
 
+    geometry = GEOMETRIES["3d"]
 
-def lattice(box: Box, cell: float, points: int, overhang: int) -> Grid:
+
+class HalfPlane(Grid):
+    """The same around an axisymmetric body, where every node is a ring; a plane of nodes is the axis."""
+
+    geometry = GEOMETRIES["axisymmetric"]
+
+
+GRIDS: dict[str, type[Grid]] = {"3d": Grid, "axisymmetric": HalfPlane}
+
+
+def lattice(box: Box, cell: float, points: int, overhang: int, kind: type[Grid] = Grid) -> Grid:
     """Return a grid that starts ``overhang`` cells before the box's lowest corner, as yet without nodes."""
-    x0, y0, z0 = (low - overhang * cell for low in box.low)
+    extends = kind.geometry.extends
+    x0, y0, z0 = (low - overhang * there * cell for low, there in zip(box.low, extends, strict=True))
     layers = int(np.ceil((box.high[2] - z0) / cell - 1e-9))
     slabs = -(-layers // SLAB)
     nodes = np.zeros((0, 4))
     zero = np.uint64(0)
-    return Grid(
+    return kind(
         x0, y0, z0, cell, 1.0 / cell, 0, 0, 0, zero, zero, zero, zero, nodes, nodes, nodes,
         order=np.zeros(points, np.uint64), start=np.zeros(slabs + 2, np.int64), critical=np.full(slabs, np.inf),
     )  # fmt: skip
@@ -86,7 +99,8 @@ def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
         return grid
     origin = np.array([grid.x0, grid.y0, grid.z0])
     low, high = (((place - origin) * grid.per_cell).astype(np.int64) for place in (least, most))
-    margin = 2  # cells: the support of a point beyond its own cell, and room to move before the next new window
+    # cells: the support of a point beyond its own cell, and room to move before the next new window
+    margin = 2 * np.array(grid.geometry.extends)
     first = np.array([grid.i0, grid.j0, grid.k0])
     size = np.array([grid.nx, grid.ny, grid.nz], np.int64)
     if np.all(size > 0) and np.all((first == 0) | (low - 1 >= first)) and np.all(high + margin < first + size):
@@ -158,9 +172,21 @@ def forget_force(grid: Grid) -> None:
             force[n, a] = 0.0
 
 
-@kernel
 def accelerate(grid: Grid, dt: float) -> None:
     """Solve the momentum equation: v_i = ((mv)_i + f_i Δt) / m_i; ``change`` becomes f_i Δt / m_i."""
+    grid.geometry.mirror(grid, grid.momentum, grid.change)
+    solve(grid, dt)
+
+
+def average(grid: Grid) -> None:
+    """Find the nodes' velocity from their momentum, v_i = (mv)_i / m_i."""
+    grid.geometry.mirror(grid, grid.momentum)
+    divide(grid)
+
+
+@kernel
+def solve(grid: Grid, dt: float) -> None:
+    """Do what ``accelerate`` says."""
     momentum, velocity, change = grid.momentum, grid.velocity, grid.change
     for n in prange(len(momentum)):
         per_mass = 1.0 / momentum[n, 3] if momentum[n, 3] > 0.0 else 0.0
@@ -170,8 +196,8 @@ def accelerate(grid: Grid, dt: float) -> None:
 
 
 @kernel
-def average(grid: Grid) -> None:
-    """Find the nodes' velocity from their momentum, v_i = (mv)_i / m_i."""
+def divide(grid: Grid) -> None:
+    """Do what ``average`` says."""
     momentum, velocity = grid.momentum, grid.velocity
     for n in prange(len(momentum)):
         per_mass = 1.0 / momentum[n, 3] if momentum[n, 3] > 0.0 else 0.0

@@ -1,6 +1,5 @@
 """The ``[method]`` table of the material point method."""
 
-import math
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -9,8 +8,9 @@ from viscopoint.body import Body
 from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
 from viscopoint.laws import Law
 from viscopoint.mpm.contacts import CONTACTS
-from viscopoint.mpm.fills import FILLS
-from viscopoint.mpm.grid import Box
+from viscopoint.mpm.fills import FILLS, MERIDIANS
+from viscopoint.mpm.geometry import GEOMETRIES
+from viscopoint.mpm.grid import GRIDS, Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.mpm.schemes import SCHEMES
 from viscopoint.mpm.shapes import SHAPES
@@ -39,6 +39,7 @@ class MPMInput(MethodInput):
     """``name = "mpm"``."""
 
     name: Literal["mpm"]
+    geometry: one_of(GEOMETRIES) = "3d"  # pyright: ignore[reportInvalidTypeForm]
     cell: Length
     spacing: Length
     fill: one_of(FILLS) = "lattice"  # pyright: ignore[reportInvalidTypeForm]
@@ -74,16 +75,16 @@ class MPMInput(MethodInput):
 
     def body(self, rod: Rod) -> Body:
         """Return the rod's points."""
-        return FILLS[self.fill](rod.radius, rod.length, self.spacing)
+        fills = FILLS if self.geometry == "3d" else MERIDIANS
+        return fills[self.fill](rod.radius, rod.length, self.spacing)
 
     def build(self, rod: Rod, impact: Impact, law: Law) -> MaterialPointMethod:
         """Return the rod as material points on their way to the wall."""
         box = self.completed(rod, impact).box
         assert box is not None
-        (x0, x1), (y0, y1), (z0, z1) = box.x, box.y, box.z
         choices = Discretisation(
             cell=self.cell,
-            box=Box((x0, y0, z0), (x1, y1, z1)),
+            box=GEOMETRIES[self.geometry].within(Box(*zip(box.x, box.y, box.z, strict=True)), self.cell),
             shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
             scheme=SCHEMES[self.scheme],
             transfer=TRANSFERS[self.transfer].chosen(self.pic_fraction, self.order or USUAL_ORDER),
@@ -91,6 +92,7 @@ class MPMInput(MethodInput):
             viscosity=self.bulk_viscosity.build(),
             volume=VOLUMES[self.volume],
             contact=CONTACTS[self.contact],
+            grid=GRIDS[self.geometry],
         )
         motion = (0.0, 0.0, -impact.speed)
         return MaterialPointMethod(self.body(rod), law, (impact.boundary(),), choices, motion)
@@ -136,9 +138,9 @@ def two_layers_in_rod(spacing: float, length: float) -> str | None:
     return f"{spacing:g} mm leaves no two layers in rod.length, {length:g} mm" if 1.5 * spacing > length else None
 
 
-@rule("method.spacing", "rod.radius", "rod.length")
-def points_within_memory(spacing: float, radius: float, length: float) -> str | None:
-    points = math.pi * radius**2 * length / spacing**3
+@rule("method.spacing", "rod.radius", "rod.length", "method.geometry")
+def points_within_memory(spacing: float, radius: float, length: float, geometry: str) -> str | None:
+    points = GEOMETRIES[geometry].points(radius, length, spacing)
     needed, there = points * BYTES_PER_POINT / 2**30, machine_memory() / 2**30
     if needed <= there:
         return None

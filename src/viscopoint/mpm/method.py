@@ -37,6 +37,7 @@ class Discretisation:
     viscosity: BulkViscosity
     volume: type[Volume] = Local  # of ``mpm.volumes``
     contact: type[Contact] = Nodes  # of ``mpm.contacts``
+    grid: type[Grid] = Grid  # of ``mpm.grid``
 
 
 class MaterialPointMethod:
@@ -61,7 +62,8 @@ class MaterialPointMethod:
         self.points.velocity[:] = velocity
         if choices.shape.stretches or choices.contact.stretches:
             self.points = self.points._replace(stretch=np.ones((len(body.position), 3)))
-        self.grid: Grid = lattice(choices.box, choices.cell, len(body.position), choices.shape.overhang)
+        overhang = choices.shape.overhang
+        self.grid: Grid = lattice(choices.box, choices.cell, len(body.position), overhang, choices.grid)
         fastest = float(np.linalg.norm(self.points.velocity, axis=1).max())
         self.grid.critical[:] = choices.cell / (signal_speed(self.sound, 0.0) + fastest)
         self.tally = np.zeros(TALLY)  # of all boundaries, since the start
@@ -138,8 +140,8 @@ class MaterialPointMethod:
             eroded=0.0,
             contact=0.0 - float(self.tally[3]),
             friction=0.0 - float(self.tally[4]),
-            momentum=sums[6:9],
-            impulse=self.tally[:3].copy(),
+            momentum=sums[6:9] * self.grid.geometry.resultant,
+            impulse=self.tally[:3] * self.grid.geometry.resultant,
             mass=float(sums[5]),
         )
 

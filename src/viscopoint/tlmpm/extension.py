@@ -80,11 +80,12 @@ def _continued(inner: NDArray[np.bool_], nodes: Indices) -> tuple[Indices, Indic
     for corner in CORNERS:
         steps = np.array(corner[::-1])
         along = np.where(steps == 1, -offsets[offset], 1 + offsets[offset])
-        row.append(nodes[node])
-        column.append(np.ravel_multi_index(tuple((cells[node, offset] + steps).T), inner.shape))
-        value.append(share * along.prod(axis=1))
-    kept = np.concatenate(value) != 0.0
-    return np.concatenate(row)[kept], np.concatenate(column)[kept], np.concatenate(value)[kept]
+        entry = share * along.prod(axis=1)
+        kept = entry != 0.0
+        row.append(nodes[node[kept]])
+        column.append(np.ravel_multi_index(tuple((cells[node, offset] + steps)[kept].T), inner.shape))
+        value.append(entry[kept])
+    return np.concatenate(row), np.concatenate(column), np.concatenate(value)
 
 
 def _sorted(rows: Indices, columns: Indices, values: Array, count: int) -> Rows:

@@ -7,6 +7,7 @@ import numpy as np
 from viscopoint.arrays import Array
 from viscopoint.body import Body, Surface
 from viscopoint.mpm.fills import FILLS
+from viscopoint.mpm.fills.meridian import boxes
 
 
 def rod_trimmed(radius: float, length: float, spacing: float) -> Body:
@@ -21,7 +22,7 @@ def rod_trimmed(radius: float, length: float, spacing: float) -> Body:
     area, x, y = _cut_squares(edges, radius)
     kept = area > 1e-9 * spacing**2
     area, x, y = area[kept], x[kept], y[kept]
-    layers = 2 * max(round(length / (2 * spacing)), 1)
+    layers = _even(length, spacing)
     height = length / layers
     z = (np.arange(layers) + 0.5) * height
     position = np.stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, len(x))], axis=1, dtype=np.float64)
@@ -67,12 +68,30 @@ def watched(body: Body, length: float, spacing: float) -> Body:
 
     The rod is then measured where its surface is, as finite elements are.
     """
-    radius, count = body.surface.radius, len(body.position)
+    radius = body.surface.radius
     around = 4 * max(round(2 * np.pi * radius / (4 * spacing)), 3)
     angle = 2 * np.pi * np.arange(around) / around
+    return _watched_at(body, length, radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+
+
+def rod_meridian(radius: float, length: float, spacing: float, per_cell: int) -> Body:
+    """Fill the half plane of the rod with boxes, ``per_cell`` to a cell that divides the radius; watch its surface."""
+    rings = per_cell * max(round(radius / (per_cell * spacing)), 1)
+    layers = _even(length, spacing)
+    body = boxes(radius, rings, radius / rings, layers, length / layers)
+    return _watched_at(body, length, np.array([[radius, 0.0]]))
+
+
+def _even(length: float, spacing: float) -> int:
+    """Return the even number of layers that comes closest."""
+    return 2 * max(round(length / (2 * spacing)), 1)
+
+
+def _watched_at(body: Body, length: float, circle: Array) -> Body:
+    """Add points of no volume at x and y of the ``circle`` in each layer and at the ends, and over foot and tail."""
+    count, around = len(body.position), len(circle)
     heights = np.concatenate([[0.0], np.unique(body.position[:, 2]), [length]])
     layer = np.arange(len(heights) * around).reshape(len(heights), around)
-    circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
     on = np.column_stack([np.tile(circle, (len(heights), 1)), np.repeat(heights, around)])
     ends = np.unique(np.round(body.position[body.surface.foot[:, 0], :2], 12), axis=0)
     flat = [np.column_stack([ends, np.full(len(ends), z)]) for z in (0.0, length)]
@@ -81,8 +100,8 @@ def watched(body: Body, length: float, spacing: float) -> Body:
     foot, tail = np.concatenate([count + layer[0], foot]), np.concatenate([count + layer[-1], tail])
     surface = Surface(
         ring=count + layer,
-        start=np.full(around, radius),
-        radius=radius,
+        start=np.full(around, body.surface.radius),
+        radius=body.surface.radius,
         tail=np.column_stack([tail, tail]),
         foot=np.column_stack([foot, foot]),
         reach=0.0,

@@ -1,6 +1,5 @@
 """The ``[method]`` table of the total Lagrangian material point method."""
 
-import math
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -9,9 +8,11 @@ from pydantic import Field
 from viscopoint.body import Body
 from viscopoint.inputs import Impact, MethodInput, Rod, machine_memory, one_of
 from viscopoint.laws import Law
+from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.shapes import SHAPES
 from viscopoint.rules import rule
-from viscopoint.tlmpm.filling import FILLING, watched
+from viscopoint.tlmpm.filling import FILLING, rod_meridian, watched
+from viscopoint.tlmpm.lattice import LATTICES
 from viscopoint.tlmpm.method import Discretisation, TotalLagrangianMethod
 from viscopoint.tlmpm.volumes import VOLUMES
 from viscopoint.units import Length
@@ -25,6 +26,7 @@ class TotalLagrangianInput(MethodInput):
     """``name = "tlmpm"``."""
 
     name: Literal["tlmpm"]
+    geometry: one_of(GEOMETRIES) = "3d"  # pyright: ignore[reportInvalidTypeForm]
     spacing: Length
     cell: Length = Field(default_factory=lambda known: USUAL_CELL * known["spacing"])
     layers: int = Field(default=1, ge=1, le=100)  # of points in a cell's height
@@ -45,6 +47,8 @@ class TotalLagrangianInput(MethodInput):
 
     def body(self, rod: Rod) -> Body:
         """Return the rod's points, and those of no volume on its surface."""
+        if self.geometry == "axisymmetric":
+            return rod_meridian(rod.radius, rod.length, self.spacing, round(self.cell / self.spacing))
         body = FILLING[self.fill](rod.radius, rod.length, self.spacing)
         low, high = body.position[body.surface.foot[0, 0], 2], body.position[body.surface.tail[0, 0], 2]
         return watched(body, float(low + high), self.spacing)
@@ -54,12 +58,14 @@ class TotalLagrangianInput(MethodInput):
         body = self.body(rod)
         layer = np.unique(body.position[body.volume > 0.0, 2])
         height = self.layers * float(layer[1] - layer[0])
+        across = self.cell if self.geometry == "3d" else rod.radius / max(round(rod.radius / self.cell), 1)
         choices = Discretisation(
-            cell=(self.cell, self.cell, height),
+            cell=(across, across, height),
             shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
             volume=VOLUMES[self.volume],
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
+            lattice=LATTICES[self.geometry],
         )
         motion = (0.0, 0.0, -impact.speed)
         return TotalLagrangianMethod(body, law, (impact.boundary(),), choices, motion)
@@ -74,9 +80,16 @@ def cell_of_whole_spacings(cell: float, spacing: float, name: str) -> str | None
     return f"{told}; points that fill cells evenly need a whole number of them, 2 or more"
 
 
-@rule("method.cell", "rod.radius", "method.name")
-def cell_in_the_rod(cell: float, radius: float, name: str) -> str | None:
-    if name != "tlmpm" or 1.4 * cell <= radius or cell > radius:
+@rule("method.fill", "method.geometry", "method.name")
+def a_rectangle_needs_no_trimming(fill: str, geometry: str, name: str) -> str | None:
+    if name != "tlmpm" or geometry == "3d" or fill == "trimmed":
+        return None
+    return f'"{fill}" fills a circle; with method.geometry = "axisymmetric" boxes fit the rod: leave "trimmed"'
+
+
+@rule("method.cell", "rod.radius", "method.geometry", "method.name")
+def cell_in_the_rod(cell: float, radius: float, geometry: str, name: str) -> str | None:
+    if name != "tlmpm" or geometry != "3d" or 1.4 * cell <= radius or cell > radius:
         return None
     return (
         f"{cell:g} mm leaves no whole cells in the rod: rod.radius is {radius:g} mm; take at most {radius / 1.4:.3g} mm"
@@ -90,11 +103,11 @@ def two_cells_in_length(spacing: float, layers: int, length: float, name: str) -
     return f"{spacing:g} mm, {layers} to a cell, leaves no two cells in rod.length, {length:g} mm"
 
 
-@rule("method.spacing", "rod.radius", "rod.length", "method.name")
-def points_in_memory(spacing: float, radius: float, length: float, name: str) -> str | None:
+@rule("method.spacing", "rod.radius", "rod.length", "method.geometry", "method.name")
+def points_in_memory(spacing: float, radius: float, length: float, geometry: str, name: str) -> str | None:
     if name != "tlmpm":
         return None
-    points = math.pi * radius**2 * length / spacing**3
+    points = GEOMETRIES[geometry].points(radius, length, spacing)
     needed, there = points * BYTES_PER_POINT / 2**30, machine_memory() / 2**30
     if needed <= there:
         return None

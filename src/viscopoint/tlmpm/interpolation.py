@@ -6,7 +6,7 @@ import numpy as np
 
 from viscopoint.arrays import Array
 from viscopoint.jit import inline
-from viscopoint.mpm.support import Support, gradient
+from viscopoint.mpm.support import Support, gradient, pull_in
 from viscopoint.tensors import Matrix
 from viscopoint.tlmpm.lattice import Lattice
 
@@ -53,3 +53,4 @@ def push(force: Array, lattice: Lattice, at: Support, scale: float, s: Matrix) -
                 force[node, 1] += yx * gx + yy * gy + yz * gz
                 force[node, 2] += zx * gx + zy * gy + zz * gz
                 force[node, 3] += 0.0  # keeps the row one vector
+    pull_in(at, force, lattice, yy)

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viscopoint.arrays import Array, Indices
-from viscopoint.jit import inline, serial_kernel
+from viscopoint.jit import implements, inline, serial_kernel
+from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.grid import SLAB
-from viscopoint.mpm.shapes import stencil
-from viscopoint.mpm.support import Support
+from viscopoint.mpm.support import in_half_plane, in_space, placed
 from viscopoint.tlmpm.points import Points
 
 MARGIN = 3  # nodes beyond the outermost points: what shape functions reach, and what only extends the body
@@ -39,16 +39,34 @@ class Lattice(NamedTuple):
     order: NDArray[np.uint64]  # [p], points sorted by slab
     start: Indices  # [slabs + 1], where each slab begins in ``order``
 
+    geometry = GEOMETRIES["3d"]
 
-def around_body(reference: Array, cell: tuple[float, float, float], origin: tuple[float, float, float]) -> Lattice:
+
+class HalfLattice(Lattice):
+    """The same around an axisymmetric body, where every node is a ring and x = 0 the axis."""
+
+    geometry = GEOMETRIES["axisymmetric"]
+
+
+LATTICES: dict[str, type[Lattice]] = {"3d": Lattice, "axisymmetric": HalfLattice}
+implements(placed, Lattice)(in_space)
+implements(placed, HalfLattice)(in_half_plane)
+
+
+def around_body(
+    reference: Array,
+    cell: tuple[float, float, float],
+    origin: tuple[float, float, float],
+    kind: type[Lattice] = Lattice,
+) -> Lattice:
     """Return the grid of bricks ``cell`` [mm] with a node at ``origin`` that holds all points."""
-    per_cell = 1.0 / np.array(cell)
+    margin, per_cell = MARGIN * np.array(kind.geometry.extends), 1.0 / np.array(cell)
     place = (reference - origin) * per_cell
-    first = MARGIN - np.floor(place.min(axis=0))
-    nx, ny, nz = (np.floor(place.max(axis=0)) + first + 1 + MARGIN).astype(int)
+    first = margin - np.floor(place.min(axis=0))
+    nx, ny, nz = (np.floor(place.max(axis=0)) + first + 1 + margin).astype(int)
     slab = (place[:, 2] + first[2]).astype(int) // SLAB
-    scalars = [float(value) for value in (*origin, *per_cell, *first)]
-    return Lattice(
+    scalars: list[float] = [float(value) for value in (*origin, *per_cell, *first)]
+    return kind(
         *scalars,
         nx=np.uint64(nx),
         ny=np.uint64(ny),
@@ -71,13 +89,10 @@ def place(points: Points, p: int, lattice: Lattice) -> tuple[float, float, float
 
 
 @inline
-def around(points: Points, p: int, lattice: Lattice, shape: Any) -> Support:
+def around(points: Points, p: int, lattice: Lattice, shape: Any) -> Any:
     """Return the nodes on which point p acts."""
-    x, y, z = place(points, p, lattice)
-    i, wx, dx = stencil(shape, x)
-    j, wy, dy = stencil(shape, y)
-    k, wz, dz = stencil(shape, z)
-    return Support((k * lattice.ny + j) * lattice.nx + i, wx, wy, wz, dx, dy, dz)
+    radius = points.reference[p, 0] * lattice.per_x
+    return placed(lattice, np.uint64(0), (shape, shape, shape), place(points, p, lattice), radius)
 
 
 @inline

@@ -36,6 +36,7 @@ class Discretisation:
     safety: float  # share of the critical step to take
     viscosity: BulkViscosity
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of a node; surfaces that touch must be planes of nodes, mm
+    lattice: type[Lattice] = Lattice  # of ``tlmpm.lattice``
 
 
 class TotalLagrangianMethod:
@@ -69,13 +70,15 @@ class TotalLagrangianMethod:
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
         self.points: Points = at_rest(body.position, body.volume, len(self.blank))
-        self.lattice: Lattice = around_body(body.position, choices.cell, choices.origin)
+        self.lattice: Lattice = around_body(body.position, choices.cell, choices.origin, choices.lattice)
         self.extension, self.nodes = self._nodes(choices)
         self.reference: Array = self.nodes.position.copy()
         self.wall = NO_WALL
         for boundary in boundaries:
             self._stand_between(boundary)
-        self.reach = reach(self.points, self.lattice, self.shape, self.extension, self.nodes.mass, law.density)
+        free = self.lattice.geometry.free(self.reference, choices.cell[0])
+        self.nodes.fixed[:] |= np.uint8(1) * (free[:, 0] == 0.0)  # on the axis
+        self.reach = reach(self.points, self.lattice, self.shape, self.extension, self.nodes.mass, free, law.density)
         self.nodes.velocity[:] = velocity
         self.critical = np.full(len(self.lattice.start) - 1, self._first_step(choices))
         self.tally = np.zeros(TALLY)  # of wall and planes of symmetry, since the start
@@ -88,10 +91,12 @@ class TotalLagrangianMethod:
         cover(self.points, lattice, self.shape, weight, filled, touched)
         nx, ny = int(lattice.nx), int(lattice.ny)
         shape = (len(weight) // (nx * ny), ny, nx)
-        extension, rows = extended(shape, filled / np.prod(choices.cell), touched)
-        index = np.column_stack(np.unravel_index(rows, shape))[:, ::-1]
-        steps: Array = (index - np.array([lattice.i0, lattice.j0, lattice.k0])).astype(float)
-        position = np.array(choices.origin) + steps * np.array(choices.cell)
+        every = np.column_stack(np.unravel_index(np.arange(len(weight)), shape))[:, ::-1]
+        steps: Array = (every - np.array([lattice.i0, lattice.j0, lattice.k0])).astype(float)
+        places = np.array(choices.origin) + steps * np.array(choices.cell)
+        room = lattice.geometry.room(places[:, 0], choices.cell)
+        extension, rows = extended(shape, filled / room, touched)
+        position = places[rows]
         mass = np.zeros((len(rows), 3))
         carry(extension.back, self.law.density * np.column_stack([weight] * 3), mass)
         if not (mass > 0.0).all():
@@ -163,8 +168,8 @@ class TotalLagrangianMethod:
             eroded=0.0,
             contact=0.0 - float(self.tally[3]),
             friction=0.0 - float(self.tally[4]),
-            momentum=np.array(momentum),
-            impulse=self.tally[:3].copy(),
+            momentum=np.array(momentum) * self.lattice.geometry.resultant,
+            impulse=self.tally[:3] * self.lattice.geometry.resultant,
             mass=float(mass),
         )
 

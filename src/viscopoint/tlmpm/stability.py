@@ -26,12 +26,24 @@ ROUNDS = 60
 SHORT = 0.03  # by which the estimate may fall short after so many rounds
 
 
-def reach(points: Points, lattice: Lattice, shape: Any, extension: Extension, mass: Array, density: float) -> float:
-    """Return 2 c/ω of the undeformed body [mm]; ``mass`` [g] is that of the nodes in their own right."""
+def reach(
+    points: Points, lattice: Lattice, shape: Any, extension: Extension, mass: Array, free: Array, density: float
+) -> float:
+    """Return 2 c/ω of the undeformed body [mm].
+
+    Args:
+        points: the points.
+        lattice: the grid.
+        shape: the shape function.
+        extension: which nodes are in their own right.
+        mass: theirs [g].
+        free: 1 where symmetry lets them move, 0 where not, [n, 3].
+        density: g/mm^3.
+    """
     per_mass = density / mass[:, None]
     highest = 0.0
     for swelling, shearing in ((1.0, 0.0), (-0.5, 1.5)):
-        motion = np.random.default_rng(1).normal(size=(len(mass), 3))
+        motion = free * np.random.default_rng(1).normal(size=free.shape)
         square = 0.0
         for _ in range(ROUNDS):
             motion /= np.sqrt((motion**2 / per_mass).sum())
@@ -41,7 +53,7 @@ def reach(points: Points, lattice: Lattice, shape: Any, extension: Extension, ma
             answer = np.empty_like(motion)
             carry(extension.back, lattice.force, answer)
             square = float((motion * answer).sum())
-            motion = answer * per_mass
+            motion = free * answer * per_mass
         highest = max(highest, square)
     lattice.velocity[:] = 0.0
     lattice.force[:] = 0.0

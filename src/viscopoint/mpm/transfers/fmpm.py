@@ -50,6 +50,7 @@ class Fmpm(NamedTuple):
         rest, seen = grid.velocity.copy(), np.empty_like(grid.velocity)
         for _ in range(self.order - 1):
             filter_nodes(points, grid, shape, rest, seen)
+            grid.geometry.mirror(grid, seen)
             add_rest(grid, rest, seen)
 
 

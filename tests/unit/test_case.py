@@ -255,6 +255,6 @@ def test_schema_describes_every_key_of_the_paper_s_case():
     assert {name: mpm[name]["enum"] for name in ("shape", "contact", "fill", "volume")} == {
         "shape": ["cpgimp", "cubic", "gimp", "quadratic", "trilinear"],
         "contact": ["gated", "nodes"],
-        "fill": ["lattice", "rings"],
+        "fill": ["lattice", "rings", "trimmed"],
         "volume": ["cell-mean", "local"],
     }

@@ -13,8 +13,9 @@ from columns import COURANT, LENGTH, Array, block, viscoelastic
 
 from viscopoint.body import Body
 from viscopoint.method import Totals
+from viscopoint.mpm.fills import FILLS
 from viscopoint.mpm.shapes import SHAPES
-from viscopoint.tlmpm.filling import FILLING, watched
+from viscopoint.tlmpm.filling import watched
 from viscopoint.tlmpm.lattice import Lattice
 from viscopoint.tlmpm.method import Discretisation, TotalLagrangianMethod
 from viscopoint.tlmpm.volumes import VOLUMES
@@ -81,7 +82,7 @@ def rod(
     spacing: float = 0.5, viscosity: tuple[float, float] = (0.06, 1.5), **choices: Any,
 ) -> TotalLagrangianMethod:  # fmt: skip
     """Return a rod of 2 mm radius and 6 mm length on z = 0."""
-    body = watched(FILLING[fill](2.0, 6.0, spacing), 6.0, spacing)
+    body = watched(FILLS[fill](2.0, 6.0, spacing), 6.0, spacing)
     cell = (2 * spacing, 2 * spacing, spacing)
     return lagrangian(body, cell, law or viscoelastic(65.0), walls, motion, viscosity=viscosity, **choices)
 

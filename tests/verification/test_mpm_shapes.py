@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from viscopoint.arrays import Indices
 from viscopoint.laws.elastic import Elastic
+from viscopoint.mpm.fills.trimmed import rod_trimmed
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.mapping import scatter_momentum_and_force
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
@@ -122,6 +123,24 @@ def test_uniform_stress_pulls_at_inner_nodes_of_an_uneven_lattice_without_gimp(s
     area = 9.0
     assert_allclose(np.abs(across[inside]).max(), left * pressure * area, atol=ROUNDING * 72 * pressure)
     assert_allclose(across.sum(), 0.0, atol=ROUNDING * 72 * pressure)
+
+
+def test_boxes_cut_by_the_circumference_pull_only_beside_it_with_gimp() -> None:
+    """Nodes within reach of whole boxes alone feel nothing of a uniform pressure; all nodes together never do."""
+    radius, pressure = 3.0, 7.0
+    method = rod(ELASTIC, shape="gimp", cell=CELL, lift=2.0, body=rod_trimmed(radius, 6.0, CELL / 2))
+    method.points.stress[:, :3] = -pressure
+    grid = method.fresh_grid()
+    scatter_momentum_and_force(method.points, grid, method.shape, method.pressed(), method.transfer)
+    node = np.stack(np.unravel_index(np.arange(len(grid.change)), (int(grid.nz), int(grid.ny), int(grid.nx))))[::-1].T
+    x, y, z = (np.array(grid[:3]) + grid.cell * (node + [grid.i0, grid.j0, grid.k0])).T
+    reach = 1.25 * CELL + CELL / 4  # of the shape function, and on to where the box of such a point ends
+    deep = (np.hypot(np.abs(x) + reach, np.abs(y) + reach) < radius) & (np.abs(z - 5.0) < 3.0 - 1.25 * CELL)
+    force, scale = grid.change[:, :3], 100 * pressure * CELL**2
+    assert deep.sum() >= 15
+    assert_allclose(force[deep], 0.0, atol=ROUNDING * scale)
+    assert_allclose(force.sum(axis=0), 0.0, atol=ROUNDING * scale)
+    assert np.abs(force).max() > 0.1 * pressure * CELL**2  # on the surface
 
 
 @pytest.mark.parametrize(("shape", "even"), [("gimp", False), ("cpgimp", True)])

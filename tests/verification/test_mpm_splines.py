@@ -13,6 +13,9 @@ from viscopoint.mpm.contact import walls_around
 from viscopoint.mpm.points import at_rest
 from viscopoint.mpm.shapes import NOWHERE, SHAPES, along, stencil
 from viscopoint.mpm.shapes.quadratic import Quadratic
+from viscopoint.mpm.transfers import Transfer
+from viscopoint.mpm.transfers.apic import Apic
+from viscopoint.mpm.transfers.flip import Flip
 from viscopoint.wall import RigidWall, Symmetry
 
 pytestmark = pytest.mark.usefixtures("one_thread")
@@ -22,6 +25,7 @@ LOW, HIGH, COUNT = 3, 8, 12  # planes of the walls, nodes in all
 POINTS = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
 SPLINE = pytest.mark.parametrize("name", sorted(DEGREES))
 AXIS = pytest.mark.parametrize("axis", [0, 1, 2])
+RINGING = [(Flip(0.0), 4), pytest.param(Apic(), 2, marks=pytest.mark.long)]  # and how many filters they leave of four
 
 
 def between_walls(name: str, axis: int, low: int = LOW, high: int = HIGH) -> Any:
@@ -130,16 +134,18 @@ def test_walls_are_found_on_their_side_of_the_body() -> None:
 
 
 @SPLINE
-def test_column_between_rollers_rings_at_the_spline_s_frequency(name: str) -> None:
+@pytest.mark.parametrize(("transfer", "filters"), RINGING)
+def test_column_between_rollers_rings_at_the_spline_s_frequency(name: str, transfer: Transfer, filters: int) -> None:
     """sin(kz) held at both ends. Weights of variance s = (degree + 1) / 12 cells² filter a wave by 1 - s (kh)² / 2.
 
-    Two such filters take velocities from points to nodes and back, two more are in strain and force: w² = c² k² (1 -
-    2 s (kh)²), and leapfrog steps of Courant number C add C² / 12: w = c k (1 - (s - C² / 24) (kh)²).
+    Two such filters take velocities from points to nodes and back, unless the transfer makes up for them; two more are
+    in strain and force: w² = c² k² (1 - 2 s (kh)²), or half of that, and leapfrog steps of Courant number C add
+    C² / 12: w = c k (1 - (s - C² / 24) (kh)²), or s / 2.
     """
     off = []
     for cells in (24, 48):
         k, ends = np.pi / LENGTH, (Symmetry(2, 0.0), Symmetry(2, LENGTH))
-        method = column(cells, ELASTIC, ends, lambda z, k=k: 1e-4 * np.sin(k * z), shape=name)
+        method = column(cells, ELASTIC, ends, lambda z, k=k: 1e-4 * np.sin(k * z), shape=name, transfer=transfer)
         mode, dt, found = np.sin(k * layers(method.body.position[:, 2])), method.stable_step(), []
         for _ in range(int(1.8 * cells / COURANT)):
             method.advance(dt)
@@ -149,7 +155,7 @@ def test_column_between_rollers_rings_at_the_spline_s_frequency(name: str) -> No
         crossing = at + signs[at] / (signs[at] - signs[at + 1])
         frequency = np.pi / (np.diff(crossing)[0] * dt)
         off.append(1 - frequency / (k * method.sound))
-    dispersion = (DEGREES[name] + 1) / 12 - COURANT**2 / 24
+    dispersion = filters / 4 * (DEGREES[name] + 1) / 12 - COURANT**2 / 24
     # the next terms: (kh)² of it, and the wall's cells, where the filter is another: a share kh
     short = np.pi / 48
     assert_allclose(off[1], dispersion * short**2, rtol=3 * short)

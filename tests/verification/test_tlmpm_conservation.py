@@ -27,14 +27,14 @@ from lagrangian import (
 )
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.tlmpm.filling import FILLING
+from viscopoint.mpm.fills import FILLS
 from viscopoint.tlmpm.method import TotalLagrangianMethod
 from viscopoint.wall import RigidWall, Symmetry
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 RELAXING = viscoelastic(65.0)
 THREADS = numba.get_num_threads()
-each_fill = pytest.mark.parametrize("fill", sorted(FILLING))
+each_fill = pytest.mark.parametrize("fill", sorted(FILLS))
 
 
 def impact(friction: float = 0.1, **choices: Any) -> TotalLagrangianMethod:

@@ -21,14 +21,14 @@ RATE = np.pi / SIDE * np.sqrt(MODULUS / DENSITY)
 TIME = 0.4 * 2 * np.pi / RATE
 
 
-def displacement(x: Array, t: float) -> Array:
-    return AMPLITUDE * np.sin(np.pi * x / SIDE) * np.sin(RATE * t)
+def displacement(x: Array, t: float, amplitude: float = AMPLITUDE) -> Array:
+    return amplitude * np.sin(np.pi * x / SIDE) * np.sin(RATE * t)
 
 
-def body_force(x: Array, t: float) -> Array:
+def body_force(x: Array, t: float, amplitude: float = AMPLITUDE) -> Array:
     """Return b [mm/ms²] at the undeformed places x."""
-    u = displacement(x, t)
-    stretch = 1 + np.pi / SIDE * AMPLITUDE * np.cos(np.pi * x / SIDE) * np.sin(RATE * t)
+    u = displacement(x, t, amplitude)
+    stretch = 1 + np.pi / SIDE * amplitude * np.cos(np.pi * x / SIDE) * np.sin(RATE * t)
     bent = -((np.pi / SIDE) ** 2) * u
     return -(RATE**2) * u - MODULUS / DENSITY * bent * stretch.prod(axis=1, keepdims=True) / stretch**2
 

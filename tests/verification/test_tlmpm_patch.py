@@ -7,12 +7,13 @@ from lagrangian import ELASTIC, EPS, Array, brick, each_volume, lagrangian, leve
 from material_point import orders
 from numpy.testing import assert_allclose
 
+from viscopoint.mpm.fills import FILLS
+from viscopoint.mpm.fills.trimmed import rod_trimmed
 from viscopoint.tensors import COMPONENTS
-from viscopoint.tlmpm.filling import FILLING, rod_trimmed
 from viscopoint.tlmpm.method import TotalLagrangianMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-each_fill = pytest.mark.parametrize("fill", sorted(FILLING))
+each_fill = pytest.mark.parametrize("fill", sorted(FILLS))
 each_shape = pytest.mark.parametrize("shape", ["trilinear", "gimp"])
 STRETCH = np.array([[0.11, 0.23, -0.07], [-0.13, 0.05, 0.17], [0.08, -0.19, -0.21]])  # of a step, not small
 SMALL = 1e3 * EPS
@@ -54,17 +55,6 @@ def test_mass_and_its_first_moments_are_the_points() -> None:
     assert method.nodes.mass.min() > 0.0
     moment = density * volume @ method.points.reference
     assert_allclose(method.nodes.mass @ method.reference, moment, rtol=0, atol=SMALL * 6.0)
-
-
-def test_trimmed_lattice_has_the_cylinder_s_volume_centroid_and_surface() -> None:
-    for radius, spacing in ((2.0, 0.5), (3.8, 0.38), (3.2, 0.7)):
-        body = rod_trimmed(radius, 10.0, spacing)
-        assert_allclose(body.volume.sum(), np.pi * radius**2 * 10.0, rtol=1e-12)
-        assert_allclose(body.volume @ body.position / body.volume.sum(), [0.0, 0.0, 5.0], rtol=0, atol=1e-9)
-        assert np.hypot(*body.position.T[:2]).max() < radius
-        whole = np.isclose(body.volume, body.volume.max(), rtol=1e-9)  # boxes inside are whole
-        inside = np.hypot(*np.abs(body.position.T[:2]) + spacing / 2) < radius
-        assert whole[inside].all()
 
 
 @each_volume

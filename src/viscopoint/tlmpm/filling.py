@@ -1,66 +1,10 @@
-"""The rod's points on the undeformed grid, and points of no volume on its surface that show where it is."""
-
-from itertools import pairwise
+"""Points of no volume on the surface of a rod of points, that show where it is."""
 
 import numpy as np
 
 from viscopoint.arrays import Array
 from viscopoint.body import Body, Surface
-from viscopoint.mpm.fills import FILLS
 from viscopoint.mpm.fills.meridian import boxes
-
-
-def rod_trimmed(radius: float, length: float, spacing: float) -> Body:
-    """Fill the rod with boxes side by side, cut where the rod ends: a lattice of exactly its volume.
-
-    Inside, boxes are cubes of edge ``spacing`` (in height as close to it as an even number of layers allows). Those on
-    the circumference keep the part within, and their points stand at its centroid: integrals over the rod are exact
-    for all linear functions.
-    """
-    half = int(np.ceil(radius / spacing - 1e-9))
-    edges: Array = np.linspace(-half, half, 2 * half + 1) * spacing
-    area, x, y = _cut_squares(edges, radius)
-    kept = area > 1e-9 * spacing**2
-    area, x, y = area[kept], x[kept], y[kept]
-    layers = _even(length, spacing)
-    height = length / layers
-    z = (np.arange(layers) + 0.5) * height
-    position = np.stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, len(x))], axis=1, dtype=np.float64)
-    return Body(position, np.tile(area * height, layers), _ends(len(x), layers, radius))
-
-
-def _cut_squares(edges: Array, radius: float) -> tuple[Array, Array, Array]:
-    """Return area and centroid of each square of a square lattice, as far as it is within the circle.
-
-    By symmetry over the diagonal the centroid's y is the x of the square mirrored there.
-    """
-    low, high = edges[:-1], edges[1:]
-    points, weights = np.polynomial.legendre.leggauss(32)
-    area = np.zeros((len(low), len(low)))
-    moment = np.zeros_like(area)
-    for i, (x0, x1) in enumerate(zip(low, high, strict=True)):
-        # in y the part is what lies between the edges and the circle: smooth between where the circle meets an edge,
-        # and of the angle x = radius sin(a) up to the circle's end
-        kinks = np.sqrt(np.maximum(radius**2 - edges**2, 0.0))
-        breaks = np.unique(np.clip(np.concatenate([[x0, x1], kinks, -kinks]), max(x0, -radius), min(x1, radius)))
-        for a, b in pairwise(np.arcsin(breaks / radius)):
-            angle = 0.5 * (a + b) + 0.5 * (b - a) * points
-            x, reach = radius * np.sin(angle), radius * np.cos(angle)
-            inside = np.clip(high[:, None], -reach, reach) - np.clip(low[:, None], -reach, reach)
-            share = 0.5 * (b - a) * weights * reach
-            area[i] += inside @ share
-            moment[i] += inside @ (share * x)
-    x = np.divide(moment, area, out=np.zeros_like(area), where=area > 0.0)
-    return area.ravel(), x.ravel(), x.T.ravel()
-
-
-def _ends(across: int, layers: int, radius: float) -> Surface:
-    index = np.arange(across * layers).reshape(layers, across)
-    ends = [np.column_stack([index[a], index[b]]) for a, b in ((-1, -2), (0, 1))]
-    return Surface(index, np.full(across, radius), radius, ends[0], ends[1], 0.5)
-
-
-FILLING = {**FILLS, "trimmed": rod_trimmed}
 
 
 def watched(body: Body, length: float, spacing: float) -> Body:

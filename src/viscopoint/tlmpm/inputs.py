@@ -8,10 +8,11 @@ from pydantic import Field
 from viscopoint.body import Body
 from viscopoint.inputs import Impact, MethodInput, Rod, machine_memory, one_of
 from viscopoint.laws import Law
+from viscopoint.mpm.fills import FILLS
 from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.shapes import SHAPES
 from viscopoint.rules import rule
-from viscopoint.tlmpm.filling import FILLING, rod_meridian, watched
+from viscopoint.tlmpm.filling import rod_meridian, watched
 from viscopoint.tlmpm.lattice import LATTICES
 from viscopoint.tlmpm.method import Discretisation, TotalLagrangianMethod
 from viscopoint.tlmpm.volumes import VOLUMES
@@ -30,7 +31,7 @@ class TotalLagrangianInput(MethodInput):
     spacing: Length
     cell: Length = Field(default_factory=lambda known: USUAL_CELL * known["spacing"])
     layers: int = Field(default=1, ge=1, le=100)  # of points in a cell's height
-    fill: one_of(FILLING) = "trimmed"  # pyright: ignore[reportInvalidTypeForm]
+    fill: one_of(FILLS) = "trimmed"  # pyright: ignore[reportInvalidTypeForm]
     shape: one_of(NODAL) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
     volume: one_of(VOLUMES) = "cell-mean"  # pyright: ignore[reportInvalidTypeForm]
     safety: float = Field(default=0.9, gt=0, le=1)
@@ -49,7 +50,7 @@ class TotalLagrangianInput(MethodInput):
         """Return the rod's points, and those of no volume on its surface."""
         if self.geometry == "axisymmetric":
             return rod_meridian(rod.radius, rod.length, self.spacing, round(self.cell / self.spacing))
-        body = FILLING[self.fill](rod.radius, rod.length, self.spacing)
+        body = FILLS[self.fill](rod.radius, rod.length, self.spacing)
         low, high = body.position[body.surface.foot[0, 0], 2], body.position[body.surface.tail[0, 0], 2]
         return watched(body, float(low + high), self.spacing)
 

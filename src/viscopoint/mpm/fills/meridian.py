@@ -20,6 +20,7 @@ def half_lattice(radius: float, length: float, spacing: float) -> Body:
 
 
 @offer("rings", MERIDIANS)
+@offer("trimmed", MERIDIANS)
 def half_rings(radius: float, length: float, spacing: float) -> Body:
     """Fill the rod with boxes that divide radius and length, as close to ``spacing`` as can be: exactly its volume."""
     rings, layers = max(round(radius / spacing), 1), max(round(length / spacing), 2)

@@ -1,7 +1,8 @@
-"""Refines the finite element mesh and extrapolates: the tables of docs/fem.md.
+"""Refines the finite element mesh and extrapolates: the tables of docs/fem.md and docs/axisymmetric.md.
 
     python benchmarks/convergence.py paper    # four materials, two elements, three sizes: a quarter of an hour
     python benchmarks/convergence.py copper   # the published bar, two elements, three sizes: a quarter of an hour
+    python benchmarks/convergence.py rings    # both as axisymmetric bodies, down to 0.0475 mm: half an hour
 
 Runs go to runs/convergence and are used again when they are complete. With sizes h1 > h2 > h3 of one ratio r, the
 observed order is p = log((f1 - f2) / (f2 - f3)) / log r and the limit f3 + (f3 - f2) / (r^p - 1) (Richardson). Where
@@ -30,6 +31,26 @@ COPPER_SIZES = {  # mm; 5, 10, 15 and 5, 7.5, 10 elements to the radius: eight p
 TIMES = {"time.end": "120 us", "time.snapshots": ["5 us", "10 us", "20 us", "60 us"]}
 
 
+class Measured(NamedTuple):
+    """What is measured of axisymmetric runs."""
+
+    sizes: tuple[float, ...]  # mm
+    changes: dict[str, object]  # to the case
+    asked: tuple[tuple[int, str], ...]  # snapshot and quantity
+
+
+AT_20 = ("foot_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
+PAPER_RINGS = Measured(
+    sizes=(0.76, 0.38, 0.19, 0.095, 0.0475),
+    changes={"time.end": "60 us", "time.snapshots": ["5 us", "10 us", "20 us", "40 us"]},
+    asked=(
+        *((n, name) for n in (1, 2, 3) for name in AT_20),  # the tail has not felt the wall
+        *((n, name) for n in (4, 5) for name in ("length", *AT_20)),
+    ),
+)
+COPPER_RINGS = Measured((0.64, 0.32, 0.16), {}, ((4, "length"), (4, "foot_radius")))
+
+
 class Limit(NamedTuple):
     """An extrapolated value."""
 
@@ -38,10 +59,10 @@ class Limit(NamedTuple):
     order: float  # nan where it was not observed
 
 
-def finished(case: str, element: str, size: float, changes: dict[str, object]) -> vp.Run:
-    """Return a run, made now if it is not there."""
-    folder = FOLDER / f"{case}-{element}-{size:.3f}"
-    if folder.exists() and (run := vp.Run(folder)).status == "complete":
+def finished(case: str, element: str, size: float, changes: dict[str, object], mark: str = "") -> vp.Run:
+    """Return a run as far as it went, made now if it is not there."""
+    folder = FOLDER / f"{case}{mark}-{element}-{size:.3f}"
+    if folder.exists() and (run := vp.Run(folder)).status in ("complete", "stopped"):
         return run
     tables = {"method.element": element, "method.size": f"{size!r} mm", **changes}
     print(f"... {folder}", file=sys.stderr, flush=True)
@@ -122,8 +143,7 @@ def rebounds(runs: dict[tuple[str, str, float], vp.Run]) -> None:
 
 def limits(runs: dict[tuple[str, str, float], vp.Run]) -> None:
     """Print orders and limits for both elements, and how far they are apart."""
-    at_20 = ("foot_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
-    asked = [(name, 3) for name in at_20] + [("length", 4), ("foot_radius", 4)]
+    asked = [(name, 3) for name in AT_20] + [("length", 4), ("foot_radius", 4)]
     head = ["case", "quantity", *(f"{element} {part}" for element in ELEMENTS for part in ("values", "order", "limit"))]
     rows = []
     for case in PAPER:
@@ -161,9 +181,35 @@ def copper() -> None:
             print(f"{element} {name}: {found.value:.4f} ± {found.uncertainty:.4f} mm")
 
 
+def rings() -> None:
+    """Print limits of axisymmetric runs at all snapshots, each from the three finest meshes that come so far."""
+    head = ["case", "t (us)", "quantity", "sizes"]
+    rows = []
+    for case in (*PAPER, "copper"):
+        measured = COPPER_RINGS if case == "copper" else PAPER_RINGS
+        changes = {"method.geometry": "axisymmetric", **measured.changes}
+        runs = {(el, h): finished(case, el, h, changes, "-rings") for el in ELEMENTS for h in measured.sizes}
+        for snapshot, name in measured.asked:
+            time = runs[ELEMENTS[0], measured.sizes[0]].rows[snapshot].time
+            reach = [h for h in measured.sizes if all(_reaches(runs[el, h], snapshot, time) for el in ELEMENTS)][-3:]
+            cells, found = [], []
+            for element in ELEMENTS:
+                values = [float(getattr(runs[element, h].rows[snapshot], name)) for h in reach]
+                found.append(limit(values, tuple(reach)))
+                cells += [f"{found[-1].value:.6g} ± {found[-1].uncertainty:.2g}", _order(found[-1])]
+            apart = 100 * abs(found[0].value - found[1].value) / abs(found[1].value)
+            shown = ", ".join(f"{h:.4g}" for h in reach)
+            rows.append([case, f"{time * 1e3:g}", name, shown, *cells, f"{apart:.3f}"])
+    table([*head, *(f"{el}: {part}" for el in ELEMENTS for part in ("limit", "order")), "apart, %"], rows)
+
+
+def _reaches(run: vp.Run, snapshot: int, time: float) -> bool:
+    return len(run.rows) > snapshot and math.isclose(run.rows[snapshot].time, time)
+
+
 def _order(found: Limit) -> str:
     return "-" if math.isnan(found.order) else f"{found.order:.2f}"
 
 
 if __name__ == "__main__":
-    {"paper": paper, "copper": copper}[sys.argv[1]]()
+    {"paper": paper, "copper": copper, "rings": rings}[sys.argv[1]]()

@@ -26,9 +26,28 @@ def half_height(body: "Body") -> float:
 
 
 class Body(NamedTuple):
-    """Points, material points or the nodes of a mesh, and what each stands for."""
+    """Points, material points or the nodes of a mesh, and what each stands for.
+
+    An axisymmetric body stands in the half plane y = 0, x >= 0: x is the distance from the axis, and a point's volume,
+    and with it its mass, momentum and energy, are those of a whole ring around it.
+    """
 
     position: Array  # [p, 3], mm
     volume: Array  # [p], mm^3
     surface: Surface
-    cells: Indices = np.empty((0, 8), np.int64)  # [e, 8], corners of the hexahedra in VTK's order; none for MPM
+    # [e, 8], corners of the hexahedra in VTK's order, or [e, 4], of the quadrilaterals of a section; none for MPM
+    cells: Indices = np.empty((0, 8), np.int64)
+
+
+def in_half_plane(body: Body) -> bool:
+    """Return whether a body is the half section of an axisymmetric one."""
+    return not body.position[:, 1].any()
+
+
+def spacing(body: Body) -> float:
+    """Return how far apart the body's points are at the start, the usual one of them [mm]."""
+    if not in_half_plane(body):
+        return float(np.cbrt(np.median(body.volume)))
+    inside = (body.position[:, 0] > 0.0) & (body.volume > 0.0)
+    area = body.volume[inside] / (2.0 * np.pi * body.position[inside, 0])
+    return float(np.sqrt(np.median(area)))

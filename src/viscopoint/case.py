@@ -23,6 +23,7 @@ from viscopoint.tlmpm.inputs import TotalLagrangianInput
 LONGEST_FILE = 1_000_000  # bytes
 RECOMMENDED, RADIUS_IN_SPACINGS = "tlmpm", 10.0  # the method of a case that names none
 SECONDARY = ("misfit", "default_factory_not_called")  # told by ``broken``; made by another fault
+SHARED = {"bulk_viscosity", "geometry"}  # keys of [method] that another method takes over
 
 
 def _materials(base: type[Material] = Material) -> Iterator[type[Material]]:
@@ -157,7 +158,7 @@ def _replaced(own: MethodInput, name: str) -> dict[str, Any]:
         return own.model_dump(mode="json", exclude_none=True)
     if not own.resolution():
         raise InputError(f"method '{name}': the case's own takes its resolution from a file; write a [method] table")
-    shared = {"bulk_viscosity": own.bulk_viscosity.model_dump(mode="json")}
+    shared = own.model_dump(mode="json", include=SHARED & METHODS[name].model_fields.keys())
     return METHODS[name].at_resolution(own.resolution()) | shared
 
 

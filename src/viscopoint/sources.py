@@ -5,7 +5,7 @@ import hashlib
 from pathlib import Path
 
 # These only read run folders: neither compiled code nor results depend on them.
-READERS = ("cli.py", "terminal.py", "figures", "comparison", "reproduction", "report")
+READERS = ("cli.py", "terminal.py", "revolution.py", "figures", "comparison", "reproduction", "report")
 
 
 @functools.cache

@@ -6,7 +6,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from viscopoint.body import Body
-from viscopoint.fem.mesh import quality
+from viscopoint.fem.forms import quality
 from viscopoint.ledger import UNITS, Row
 from viscopoint.simulation import Outcome
 
@@ -21,7 +21,7 @@ KEYS = {
 
 
 class MeshQuality(BaseModel):
-    """How far the worst elements are from cubes."""
+    """How far the worst elements are from cubes or squares."""
 
     model_config = ConfigDict(populate_by_name=True, strict=True, alias_generator=lambda name: KEYS.get(name, name))
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from viscopoint.body import Body
-from viscopoint.fem.mesh import jacobians, outer_faces, quality, slabs
+from viscopoint.fem.forms import quality
+from viscopoint.fem.mesh import jacobians, outer_faces, slabs
 from viscopoint.fem.rod import heights, rod_elements, rod_mesh
 from viscopoint.gauges import measure, profile
 

@@ -124,7 +124,7 @@ def test_a_full_disk_ends_with_an_output_error_and_keeps_what_is_there(
     def nearly_full(path: Path) -> object:
         return usage._replace(free=1_000_000)
 
-    monkeypatch.setattr(field_file.shutil, "disk_usage", nearly_full)
+    monkeypatch.setattr(shutil, "disk_usage", nearly_full)
     with pytest.raises(vp.OutputError, match="No space left on device"):
         vp.run(quick, tmp_path / "run")
     assert vp.Run(tmp_path / "run").status == "running"

@@ -20,8 +20,9 @@ from viscopoint.body import Body, Surface
 from viscopoint.fem.elements import Element
 from viscopoint.fem.elements.one_point import OnePoint
 from viscopoint.fem.elements.selective import Selective
+from viscopoint.fem.forms import quality
 from viscopoint.fem.hourglass import StiffnessControl, ViscousControl
-from viscopoint.fem.mesh import node_volumes, quality, stable_lengths
+from viscopoint.fem.mesh import node_volumes, stable_lengths
 from viscopoint.fem.method import Discretisation, FiniteElementMethod
 from viscopoint.laws import step_factors
 from viscopoint.method import Totals

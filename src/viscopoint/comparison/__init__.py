@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from viscopoint.body import in_half_plane
 from viscopoint.comparison import axis, outline
 from viscopoint.comparison.outline import Apart
 from viscopoint.errors import InputError
@@ -197,6 +198,7 @@ def _described(name: str, run: Run) -> dict[str, Any]:
         "folder": str(run.folder),
         "title": case.title,
         "method": case.method.name,
+        "axisymmetric": in_half_plane(run.body),
         "resolution [mm]": case.method.resolution() or None,  # that of a mesh file is not known
         "points": results.points,
         "elements": results.elements,

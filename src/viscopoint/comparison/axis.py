@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viscopoint.arrays import Array
+from viscopoint.body import spacing
 from viscopoint.results import Run, Snapshot
 
 CORE = 0.25  # radii from the axis: what is averaged, so that it matters little where a method has its points
@@ -14,7 +15,7 @@ SAMPLES = 400  # heights at which two profiles are compared
 def axial_velocity(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:
     """Return height [mm] and mean axial velocity [m/s] of the layers' points around the axis, from the foot up."""
     start = run.body.position
-    beside = np.hypot(start[:, 0], start[:, 1]) < max(CORE * run.case.rod.radius, NEAR * _spacing(run))
+    beside = np.hypot(start[:, 0], start[:, 1]) < max(CORE * run.case.rod.radius, NEAR * spacing(run.body))
     _, height, speed = _by_layer(run, snapshot, beside)
     order = np.argsort(height)
     return height[order], speed[order]
@@ -29,17 +30,13 @@ def layer_velocity(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:
 def _by_layer(run: Run, snapshot: Snapshot, chosen: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
     """Return heights at the start and now, and mean axial velocity, of layers of points that started level."""
     chosen = chosen & (snapshot["lost"] == 0) & (run.body.volume > 0.0)  # not what only shows the surface
-    spacing = _spacing(run)
-    layers, layer = np.unique(np.round(run.body.position[chosen, 2] / spacing, 6), return_inverse=True)
+    unit = spacing(run.body)
+    layers, layer = np.unique(np.round(run.body.position[chosen, 2] / unit, 6), return_inverse=True)
     weight = run.body.volume[chosen]
     total = np.bincount(layer, weight, minlength=len(layers))
     height = np.bincount(layer, weight * snapshot["position"][chosen, 2]) / total
     speed = np.bincount(layer, weight * snapshot["velocity"][chosen, 2]) / total
-    return layers * spacing, height, speed
-
-
-def _spacing(run: Run) -> float:
-    return float(np.cbrt(np.median(run.body.volume)))
+    return layers * unit, height, speed
 
 
 def apart(one: tuple[Array, Array], other: tuple[Array, Array]) -> float:

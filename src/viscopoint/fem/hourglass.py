@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from viscopoint.arrays import Array
 from viscopoint.fem.hexahedron import Hourglass
 from viscopoint.jit import generic, implements, inline
-from viscopoint.tensors import Matrix, applied, columns, fetch, product, put, total
+from viscopoint.tensors import Matrix, Vec, applied, columns, fetch, product, put, total
 
 
 class ViscousControl(NamedTuple):
@@ -82,6 +82,13 @@ def spring(
     start = turned(before, turn)
     change = scaled(-control.coefficient * mass * (sound / length) ** 2, slip)
     return added(start, change), -work(added(start, scaled(0.5, change)), slip)
+
+
+@inline
+def alone(force: Vec) -> Hourglass:
+    """Return the only mode of a quadrilateral as one of four; the others are nil."""
+    none = Vec(0.0, 0.0, 0.0)
+    return Hourglass(none, none, none, force)
 
 
 @inline

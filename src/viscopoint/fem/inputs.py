@@ -1,24 +1,40 @@
 """The ``[method]`` table of the finite element method."""
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field
 
 from viscopoint.body import Body
+from viscopoint.errors import nearest
 from viscopoint.fem.elements import ELEMENTS
 from viscopoint.fem.hourglass import HOURGLASS, StiffnessControl, ViscousControl
 from viscopoint.fem.method import Discretisation, FiniteElementMethod
 from viscopoint.fem.reading import read_rod, unreadable
 from viscopoint.fem.rod import rod_elements, rod_mesh
+from viscopoint.fem.section import section_elements, section_mesh
 from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
 from viscopoint.laws import Law
 from viscopoint.rules import rule
 from viscopoint.units import Length
 
 CONTROLLED = ("one-point",)  # elements that have hourglass modes to control
-BYTES_PER_ELEMENT = 1500  # of eight points, with nodes and one snapshot being written: a generous count
+
+
+class Mesh(NamedTuple):
+    """How the rod is meshed: functions of its radius and length, of size and grading."""
+
+    body: Callable[[float, float, float, float], Body]
+    elements: Callable[[float, float, float, float], int]  # how many
+    bytes_per_element: float  # of full integration, with nodes and one snapshot being written: a generous count
+
+
+MESHES = {
+    "3d": Mesh(rod_mesh, rod_elements, 1500),
+    "axisymmetric": Mesh(section_mesh, section_elements, 1000),
+}
 
 
 class HourglassInput(Table):
@@ -41,7 +57,8 @@ class FEMInput(MethodInput):
     grading: float = Field(default=1.0, ge=0.01, le=100)
     mesh: str | None = Field(default=None, max_length=1000)
     mesh_unit: Length = 1.0
-    element: one_of(ELEMENTS) = "one-point"  # pyright: ignore[reportInvalidTypeForm]
+    geometry: Literal["3d", "axisymmetric"] = "3d"
+    element: one_of(ELEMENTS["3d"]) = "one-point"  # pyright: ignore[reportInvalidTypeForm]
     hourglass: HourglassInput = HourglassInput()
     safety: float = Field(default=0.95, gt=0, le=1)
     delete_below: float = Field(default=0.0, ge=0, lt=1)
@@ -76,12 +93,12 @@ class FEMInput(MethodInput):
         if self.mesh is not None:
             return read_rod(Path(self.mesh), self.mesh_unit, rod.radius, rod.length)
         assert self.size is not None
-        return rod_mesh(rod.radius, rod.length, self.size, self.grading)
+        return MESHES[self.geometry].body(rod.radius, rod.length, self.size, self.grading)
 
     def build(self, rod: Rod, impact: Impact, law: Law) -> FiniteElementMethod:
         """Return the rod as finite elements on their way to the wall."""
         choices = Discretisation(
-            element=ELEMENTS[self.element].controlled(self.hourglass.build()),
+            element=ELEMENTS[self.geometry][self.element].controlled(self.hourglass.build()),
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
             delete_below=self.delete_below,
@@ -112,6 +129,19 @@ def grading_of_the_rod_s_own_mesh(grading: float, mesh: str | None) -> str | Non
     )
 
 
+@rule("method.element", "method.geometry")
+def element_of_the_geometry(element: str, geometry: str) -> str | None:
+    there = ELEMENTS[geometry]
+    return None if element in there else f'is not there for method.geometry "{geometry}"; {nearest(element, there)}'
+
+
+@rule("method.geometry", "method.mesh")
+def geometry_of_a_mesh(geometry: str, mesh: str | None) -> str | None:
+    if mesh is None or geometry == "3d":
+        return None
+    return f'"{geometry}" cannot be given with method.mesh, whose elements are hexahedra; allowed with it: "3d"'
+
+
 @rule("method.mesh_unit", "method.mesh")
 def unit_of_a_mesh(unit: float, mesh: str | None) -> str | None:
     return f"{unit:g} mm has no effect without method.mesh" if mesh is None and unit != 1.0 else None
@@ -138,12 +168,15 @@ def size_within_length(size: float | None, length: float) -> str | None:
     return f"{size:g} mm leaves no two layers of elements in rod.length, {length:g} mm"
 
 
-@rule("method.size", "method.grading", "rod.radius", "rod.length")
-def elements_within_memory(size: float | None, grading: float, radius: float, length: float) -> str | None:
+@rule("method.size", "method.grading", "rod.radius", "rod.length", "method.geometry")
+def elements_within_memory(
+    size: float | None, grading: float, radius: float, length: float, geometry: str
+) -> str | None:
     if size is None:
         return None
-    elements = rod_elements(radius, length, size, grading)
-    needed, there = elements * BYTES_PER_ELEMENT / 2**30, machine_memory() / 2**30
+    mesh = MESHES[geometry]
+    elements = mesh.elements(radius, length, size, grading)
+    needed, there = elements * mesh.bytes_per_element / 2**30, machine_memory() / 2**30
     if needed <= there:
         return None
     return (

@@ -5,6 +5,7 @@ levels at most, so that slabs of one colour (even, odd) share no node: threads a
 node sums its elements in the same order, whatever the thread count.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -26,12 +27,15 @@ class Slabs(NamedTuple):
     start: Indices  # [slabs + 1], where each slab begins in ``order``
 
 
-class Quality(NamedTuple):
-    """How far the worst elements are from cubes."""
+class Form(NamedTuple):
+    """What depends on the shape of a mesh's elements; functions take ``position[n, 3]`` and ``corner[e, k]``."""
 
-    least_jacobian: float  # scaled: det of the unit edge vectors at a corner, 1 for a brick
-    greatest_aspect: float  # longest edge over shortest edge
-    smallest_edge: float  # mm
+    edges: tuple[tuple[int, int], ...]  # corners that an edge joins
+    point_volumes: Callable[[Array, Indices], Array]  # that each integration point of a full rule stands for, mm^3
+    node_volumes: Callable[[Array, Indices], Array]  # that each node stands for, mm^3
+    scaled_jacobians: Callable[[Array, Indices], Array]  # 1 for a brick, 0 where an element degenerates
+    held: Callable[[Array], NDArray[np.uint8]]  # of positions: bit a where a node cannot move along axis a
+    moving: tuple[float, float, float]  # 1 for the axes along which the whole body has a momentum, 0 for the others
 
 
 def slabs(position: Array, corner: Indices) -> Slabs:
@@ -104,17 +108,6 @@ def _measure_lengths(position: Array, corner: NDArray[np.uint64], lengths: Array
         lengths[e] = stable_length(gradient, volume(place, gradient))
 
 
-def quality(position: Array, corner: Indices) -> Quality:
-    """Measure the mesh; elements that are degenerate or inverted have a scaled Jacobian of zero or less."""
-    x = position[corner]
-    edges = np.stack([np.linalg.norm(x[:, b] - x[:, a], axis=1) for a, b in EDGES])
-    return Quality(
-        float(scaled_jacobians(position, corner).min()),
-        float((edges.max(axis=0) / np.maximum(edges.min(axis=0), np.finfo(float).tiny)).max()),
-        float(edges.min()),
-    )
-
-
 def scaled_jacobians(position: Array, corner: Indices) -> Array:
     """Return the least determinant of the three unit edge vectors at a corner, of each element."""
     x = position[corner]
@@ -127,6 +120,14 @@ def scaled_jacobians(position: Array, corner: Indices) -> Array:
         volume = np.einsum("ed,ed->e", vectors[0], np.cross(vectors[1], vectors[2])) * -XI[k] * -ETA[k] * -ZETA[k]
         least = np.minimum(least, np.divide(volume, sizes, out=np.zeros_like(volume), where=sizes > 0))
     return least
+
+
+def free(position: Array) -> NDArray[np.uint8]:
+    """Return that no node is held by where it stands."""
+    return np.zeros(len(position), np.uint8)
+
+
+HEXAHEDRA = Form(EDGES, point_volumes, node_volumes, scaled_jacobians, free, (1.0, 1.0, 1.0))
 
 
 def outer_faces(corner: Indices) -> Indices:

@@ -9,7 +9,8 @@ from viscopoint.arrays import Array, Rows
 from viscopoint.body import Body
 from viscopoint.errors import InputError
 from viscopoint.fem.elements import Element, Limits
-from viscopoint.fem.mesh import point_volumes, scaled_jacobians, slabs
+from viscopoint.fem.forms import form_of
+from viscopoint.fem.mesh import slabs
 from viscopoint.fem.motion import arrive, set_off
 from viscopoint.fem.state import CHUNKS, Elements, Nodes, elements_at_rest, nodes_at_rest, sum_elements, sum_nodes
 from viscopoint.laws import Law, step_factors
@@ -32,7 +33,7 @@ class Discretisation:
 
 
 class FiniteElementMethod:
-    """A body of hexahedra, moving at ``velocity`` [mm/ms] at the start."""
+    """A body of hexahedra, or of rings of quadrilateral section, moving at ``velocity`` [mm/ms] at the start."""
 
     advice = Advice(
         lost="too much of the body was deleted (method.delete_below)",
@@ -56,7 +57,8 @@ class FiniteElementMethod:
         self.safety, self.viscosity = choices.safety, choices.viscosity
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
-        volume = point_volumes(body.position, body.cells)
+        self.form = form_of(body.cells)
+        volume = self.form.point_volumes(body.position, body.cells)
         volume = volume if self.element.points > 1 else volume.sum(axis=1, keepdims=True)
         self.nodes: Nodes = nodes_at_rest(body.position, body.cells, law.density)
         self.elements: Elements = elements_at_rest(body.cells, volume, len(self.blank), self.element.memory)
@@ -135,6 +137,7 @@ class FiniteElementMethod:
         sum_nodes(self.nodes, moving)
         sum_elements(self.elements, self.law, self.blank, straining)
         kinetic, mass, *momentum = moving.sum(axis=0)
+        moving_along = np.array(self.form.moving)
         stored, dissipated, viscous, hourglass, eroded, hypoelastic = (float(sum_) for sum_ in straining.sum(axis=0))
         return Totals(
             kinetic=float(kinetic),
@@ -146,8 +149,8 @@ class FiniteElementMethod:
             eroded=eroded,
             contact=0.0 - float(self.tally[3]),
             friction=0.0 - float(self.tally[4]),
-            momentum=np.array(momentum),
-            impulse=self.tally[:3].copy(),
+            momentum=moving_along * momentum,
+            impulse=moving_along * self.tally[:3],
             mass=float(mass),
         )
 
@@ -179,7 +182,7 @@ class FiniteElementMethod:
             "von_mises": Field(von_mises_of(stress), "MPa", "cells"),
             "pressure": Field(-stress[:, :3].mean(axis=1), "MPa", "cells"),
             "jacobian": Field(elements.jacobian, "1", "cells"),
-            "scaled_jacobian": Field(scaled_jacobians(nodes.position, self.body.cells), "1", "cells"),
+            "scaled_jacobian": Field(self.form.scaled_jacobians(nodes.position, self.body.cells), "1", "cells"),
             "viscous_pressure": Field(elements.viscous_pressure, "MPa", "cells"),
             "dissipated_energy": Field(self._mean(elements.dissipated), "mJ/mm^3", "cells"),
             "hourglass_energy": Field(elements.hourglass_work / elements.volume.sum(axis=1), "mJ/mm^3", "cells"),

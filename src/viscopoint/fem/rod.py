@@ -48,9 +48,9 @@ def heights(length: float, size: float, grading: float) -> Array:
     The lowest layer is ``size`` thick and the uppermost ``grading`` times that; between them they grow geometrically.
     All are made to fit, none larger than asked.
     """
-    count = _layers(length, size, grading)
-    layers = grading ** (np.arange(count) / (count - 1))
-    return length * np.concatenate([[0.0], np.cumsum(layers)]) / layers.sum()
+    count = layers(length, size, grading)
+    thick = grading ** (np.arange(count) / (count - 1))
+    return length * np.concatenate([[0.0], np.cumsum(thick)]) / thick.sum()
 
 
 def rod_mesh(radius: float, length: float, size: float, grading: float = 1.0) -> Body:
@@ -74,7 +74,7 @@ def rod_mesh(radius: float, length: float, size: float, grading: float = 1.0) ->
 def rod_elements(radius: float, length: float, size: float, grading: float) -> int:
     """Return how many elements the mesh has."""
     across, rings = _division(radius, size)
-    return (across**2 + 4 * across * rings) * _layers(length, size, grading)
+    return (across**2 + 4 * across * rings) * layers(length, size, grading)
 
 
 def _division(radius: float, size: float) -> tuple[int, int]:
@@ -82,7 +82,7 @@ def _division(radius: float, size: float) -> tuple[int, int]:
     return 2 * max(1, round(0.6 * radius / size)), max(1, round(0.4 * radius / size))
 
 
-def _layers(length: float, size: float, grading: float) -> int:
+def layers(length: float, size: float, grading: float) -> int:
     """Return the least number of layers of which the lowest is no thicker than ``size``."""
     mean = (grading - 1.0) / math.log(grading) if grading != 1.0 else 1.0  # of many layers
     count = max(2, math.ceil(length / (size * mean)) - 2)  # few have more, as both ends are whole layers

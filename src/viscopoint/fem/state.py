@@ -7,7 +7,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from viscopoint.arrays import Array, Indices
-from viscopoint.fem.mesh import node_volumes
+from viscopoint.fem.forms import form_of
 from viscopoint.jit import kernel
 from viscopoint.laws import History, stored_energy
 from viscopoint.rows import load
@@ -28,9 +28,9 @@ class Nodes(NamedTuple):
 
 
 class Elements(NamedTuple):
-    """What the elements carry; an element has one or eight integration points, k."""
+    """What the elements carry; an element has one integration point or one at each corner, k."""
 
-    corner: NDArray[np.uint64]  # [e, 8], nodes
+    corner: NDArray[np.uint64]  # [e, 8] or [e, 4], nodes
     alive: NDArray[np.uint8]  # [e], 0 where it was deleted
     volume: Array  # [e, k], reference volume of each point, mm^3
     jacobian: Array  # [e], J of the whole element
@@ -40,19 +40,19 @@ class Elements(NamedTuple):
     dissipated: Array  # [e, k], by the law per reference volume, mJ/mm^3
     hypoelastic: Array  # [e, k], taken by the law as volume changes under shear, per reference volume, mJ/mm^3
     viscous_loss: Array  # [e], by the bulk viscosity, mJ
-    memory: Array  # [4 e, 4], forces on the hourglass modes, N, the fourth column unused; empty if there is no control
+    memory: Array  # [e modes, 4], forces on the hourglass modes, N, the fourth column unused
     hourglass_work: Array  # [e], taken by the hourglass control, mJ
 
 
 def nodes_at_rest(position: Array, corner: Indices, density: float) -> Nodes:
     """Return the nodes of a mesh with their share of its mass."""
-    count = len(position)
+    count, form = len(position), form_of(corner)
     return Nodes(
         position=position.copy(),
         velocity=np.zeros((count, 3)),
         force=np.zeros((count, 3)),
-        mass=density * node_volumes(position, corner),
-        fixed=np.zeros(count, np.uint8),
+        mass=density * form.node_volumes(position, corner),
+        fixed=form.held(position),
         pressed=np.zeros(count, np.uint8),
     )
 

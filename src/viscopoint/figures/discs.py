@@ -7,6 +7,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 
 from viscopoint.arrays import Array, Indices
+from viscopoint.body import spacing
 from viscopoint.figures import COLOURS
 from viscopoint.results import Run, Snapshot
 
@@ -29,7 +30,7 @@ def paint(axis: Any, run: Run, snapshot: Snapshot, points: Indices, seen: Array,
     """Draw points in their axial velocity, the far ones first, so that they cover what is behind."""
     order = points[np.argsort(-seen[points, 2])]
     order = order[snapshot["lost"][order] == 0]
-    width = np.full(len(order), COVER * np.cbrt(np.median(run.body.volume)))
+    width = np.full(len(order), COVER * spacing(run.body))
     axis.add_collection(
         EllipseCollection(
             width, width, np.zeros_like(width), units="xy", offsets=seen[order, :2], offset_transform=axis.transData,

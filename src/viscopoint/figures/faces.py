@@ -7,6 +7,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 
 from viscopoint.arrays import Array, Indices
+from viscopoint.body import in_half_plane
 from viscopoint.fem.mesh import outer_faces
 from viscopoint.figures import COLOURS
 from viscopoint.results import Run, Snapshot
@@ -31,11 +32,16 @@ def cut_open(run: Run, snapshot: Snapshot) -> Indices:
 
 def paint(axis: Any, run: Run, snapshot: Snapshot, faces: Indices, seen: Array, colours: Normalize) -> None:
     """Draw faces in the mean axial velocity of their nodes, the far ones first, so that they cover what is behind."""
+    draw(axis, snapshot, faces, seen, colours, lines(run))
+
+
+def draw(axis: Any, snapshot: Snapshot, faces: Indices, seen: Array, colours: Normalize, edges: Any) -> None:
+    """Draw faces like ``paint``, with other edges."""
     corners = seen[faces]
     order = far_first(corners)
     speed = snapshot["velocity"][faces[order], 2].mean(axis=1)
     polygons = list(corners[order, :, :2])
-    axis.add_collection(PolyCollection(polygons, array=speed, cmap=COLOURS, norm=colours, snap=False, **lines(run)))
+    axis.add_collection(PolyCollection(polygons, array=speed, cmap=COLOURS, norm=colours, snap=False, **edges))
 
 
 def far_first(corners: Array) -> Indices:
@@ -46,7 +52,10 @@ def far_first(corners: Array) -> Indices:
 
 def lines(run: Run) -> Any:
     """Return how to draw the edges of faces: not at all, where they would hide the colours."""
-    return EDGE if np.cbrt(run.body.volume.sum() / len(run.body.cells)) > FINEST * run.case.rod.radius else SEAM
+    rod, count = run.case.rod, len(run.body.cells)
+    section = in_half_plane(run.body)
+    width = np.sqrt(rod.radius * rod.length / count) if section else np.cbrt(run.body.volume.sum() / count)
+    return EDGE if width > FINEST * rod.radius else SEAM
 
 
 def _area(corners: Array) -> Array:

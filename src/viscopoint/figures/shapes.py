@@ -8,7 +8,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from viscopoint.arrays import Array
-from viscopoint.figures import COLOURS, chosen, discs, faces, offer
+from viscopoint.body import in_half_plane
+from viscopoint.figures import COLOURS, chosen, discs, faces, halves, offer
 from viscopoint.results import Run, Snapshot
 
 TILT = np.radians(15.0)  # the camera looks down on the rod by this angle
@@ -47,8 +48,14 @@ def _draw(axes: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> None:
     """Draw one snapshot: from outside above, cut open below."""
     look = faces if len(run.body.cells) else discs
     above, below = axes
-    look.paint(above, run, snapshot, look.outside(run, snapshot), seen(snapshot["position"], TILT), colours)
-    look.paint(below, run, snapshot, look.cut_open(run, snapshot), seen(snapshot["position"], 0.0), colours)
+    if in_half_plane(run.body):
+        (whole, outside), (section, cut_open) = halves.outside(run, snapshot), halves.cut_open(run, snapshot)
+        halves.paint_outside(above, run, whole, outside, seen(whole["position"], TILT), colours)
+        look.paint(below, run, section, cut_open, seen(section["position"], 0.0), colours)
+    else:
+        place = snapshot["position"]
+        look.paint(above, run, snapshot, look.outside(run, snapshot), seen(place, TILT), colours)
+        look.paint(below, run, snapshot, look.cut_open(run, snapshot), seen(place, 0.0), colours)
     above.set_title(f"{snapshot.time * 1e3:g} µs")
     below.set_xlabel("x (mm)")
     below.axhline(-run.case.impact.gap, color="0.3", linewidth=1.0)

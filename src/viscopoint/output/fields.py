@@ -1,6 +1,7 @@
 """``fields.vtkhdf``: all fields at each snapshot, one file that ParaView and PyVista open as an animation.
 
-Temporal VTKHDF 2.3 of type UnstructuredGrid: finite elements as hexahedra, material points as vertices. The cells are
+Temporal VTKHDF 2.3 of type UnstructuredGrid: finite elements as hexahedra, or quadrilaterals of
+an axisymmetric body's half section; material points as vertices. The cells are
 stored once; positions and fields are appended, and a snapshot counts (``NSteps``) only when all of it is there.
 """
 
@@ -22,7 +23,7 @@ from viscopoint.output import offer
 
 NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
-VERTEX, HEXAHEDRON = 1, 12  # VTK's cell types
+KINDS = {1: 1, 4: 9, 8: 12}  # VTK's cell types by the number of corners: vertex, quadrilateral, hexahedron
 DATA = {"points": "PointData", "cells": "CellData"}
 CHUNK = 16_384  # rows compressed together
 RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
@@ -61,14 +62,13 @@ def _begin(file: Any, fields: Mapping[str, Field], cells: Indices) -> None:
     root.attrs["Version"] = np.array([2, 3])
     root.attrs.create("Type", np.bytes_("UnstructuredGrid"), dtype=h5py.string_dtype("ascii", 16))
     points = len(fields["position"].values)
-    kind = HEXAHEDRON if len(cells) else VERTEX
     cells = cells if len(cells) else np.arange(points)[:, None]
     for name, count in (("NumberOfPoints", points), ("NumberOfCells", len(cells))):
         root[name] = np.array([count])
     root["NumberOfConnectivityIds"] = np.array([cells.size])
     _whole(root, "Connectivity", cells.ravel())
     _whole(root, "Offsets", np.arange(len(cells) + 1) * cells.shape[1])
-    _whole(root, "Types", np.full(len(cells), kind, np.uint8))
+    _whole(root, "Types", np.full(len(cells), KINDS[cells.shape[1]], np.uint8))
     _growing(root, "Points", fields["position"])
     steps = root.create_group("Steps")
     steps.attrs["NSteps"] = 0

@@ -1,17 +1,19 @@
 """The content of the interactive 3-D view: the surfaces of finished runs at all snapshots, and fields on them."""
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from viscopoint.arrays import Array
+from viscopoint.body import Body, in_half_plane
 from viscopoint.errors import InputError
 from viscopoint.report.packing import BYTES_PER_VALUE, Packed, pack, pack_indices
-from viscopoint.report.surfaces import Skin, at_points, skin_of_elements, skin_of_points
+from viscopoint.report.surfaces import Skin, at_points, skin_of_elements, skin_of_points, skin_of_rings
 from viscopoint.results import NEAR, Run, Snapshot
+from viscopoint.revolution import turned
 
 LIMIT = 6_000_000  # bytes of all shapes; beside Plotly's 4.8 MB that leaves room for figures
 COARSEST = 4  # spacings: larger cubes show no rod any more
@@ -162,8 +164,7 @@ def _skin(run: Run, snapshots: list[Snapshot], limit: float) -> Skin:
     """Return what shows, as fine as the limit allows."""
     is_mesh = len(run.body.cells) > 0
     size = np.inf
-    for coarser in (1,) if is_mesh else range(1, COARSEST + 1):
-        skin = skin_of_elements(run.body, snapshots) if is_mesh else skin_of_points(run.body, coarser)
+    for skin in _skins(run.body, snapshots):
         indices = 4 * sum(faces.size for faces in skin.faces) * 4 / 3
         size = len(skin.points) * len(snapshots) * ARRAYS * BYTES_PER_VALUE + indices
         if size <= limit:
@@ -175,15 +176,25 @@ def _skin(run: Run, snapshots: list[Snapshot], limit: float) -> Skin:
     )
 
 
+def _skins(body: Body, snapshots: list[Snapshot]) -> Iterator[Skin]:
+    """Yield what shows of a body, the finest first."""
+    if not len(body.cells):
+        yield from (skin_of_points(body, coarser) for coarser in range(1, COARSEST + 1))
+    elif in_half_plane(body):
+        yield from (skin_of_rings(body, snapshots, coarser) for coarser in range(1, COARSEST + 1))
+    else:
+        yield skin_of_elements(body, snapshots)
+
+
 def _seen(run: Run, snapshot: Snapshot, skin: Skin, nearby: tuple[Array, Array]) -> Array:
     """Return position and quantities of a snapshot's points, ``[n, ARRAYS]``; not-a-number for those not to show."""
-    columns = [*snapshot["position"].T]
-    for quantity in QUANTITIES:
-        values = at_points(snapshot.fields[quantity.field], snapshot, run.body)
-        columns.append(values if quantity.column is None else values[:, quantity.column])
-    table = np.column_stack(columns)[skin.points]
     low, high = nearby
     with np.errstate(invalid="ignore"):
+        columns = [*turned(snapshot["position"][skin.points], skin.angle).T]
+        for quantity in QUANTITIES:
+            values = at_points(snapshot.fields[quantity.field], snapshot, run.body)[skin.points]
+            columns.append(values if quantity.column is None else turned(values, skin.angle)[:, quantity.column])
+        table = np.column_stack(columns)
         there = np.isfinite(table).all(axis=1) & (snapshot["lost"][skin.points] == 0)
         there &= ((table[:, :3] >= low) & (table[:, :3] <= high)).all(axis=1)
     return np.where(there[:, None], table, np.nan)

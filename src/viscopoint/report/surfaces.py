@@ -1,21 +1,23 @@
 """What shows of a body in the 3-D view: the outer faces of finite elements, cubes around material points."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from viscopoint.arrays import Array, Indices
-from viscopoint.body import Body
+from viscopoint.body import Body, in_half_plane, spacing
 from viscopoint.fem.mesh import outer_faces
 from viscopoint.method import Field
 from viscopoint.results import Snapshot
+from viscopoint.revolution import AROUND, outer_edges, surface_points, swept, turns
 
 
 class Skin(NamedTuple):
     """Which points of a body show, and how."""
 
-    points: Indices  # [n], their numbers in the body
+    points: Indices  # [n], their numbers in the body; several times where an axisymmetric body is turned
+    angle: Array  # [n], by which each is turned around the z axis
     faces: tuple[Indices, ...]  # sets of quadrilaterals [f, 4], counted in ``points`` from outside; none: cubes
     faces_at: tuple[int, ...]  # [snapshot], which of the sets shows
     edge: float  # of a cube, mm; 0: none
@@ -23,28 +25,49 @@ class Skin(NamedTuple):
 
 def skin_of_elements(body: Body, snapshots: Sequence[Snapshot]) -> Skin:
     """Return the outer faces of the elements that live; where some are deleted, others come to light."""
+    sets, faces_at = _outermost(body, snapshots, outer_faces)
+    points = np.unique(np.concatenate([faces.ravel() for faces in sets]))
+    counted = tuple(np.searchsorted(points, faces) for faces in sets)
+    return Skin(points, np.zeros(len(points)), counted, faces_at, 0.0)
+
+
+def skin_of_rings(body: Body, snapshots: Sequence[Snapshot], coarser: int = 1) -> Skin:
+    """Return what the elements of a half section show as they turn around the axis, in ``coarser`` turns."""
+    sets, faces_at = _outermost(body, snapshots, lambda cells: outer_edges(body, cells))
+    nodes = np.unique(np.concatenate([edges.ravel() for edges in sets]))
+    around = AROUND // coarser
+    points, angle = turns(nodes, around)
+    faces = tuple(swept(np.searchsorted(nodes, edges), len(nodes), around) for edges in sets)
+    return Skin(points, angle, faces, faces_at, 0.0)
+
+
+def _outermost(
+    body: Body, snapshots: Sequence[Snapshot], outer: Callable[[Indices], Indices]
+) -> tuple[list[Indices], tuple[int, ...]]:
+    """Return what is outermost of the elements that live, each set once, and which of the sets a snapshot has."""
     found: dict[bytes, tuple[int, Indices]] = {}
     faces_at = []
     for snapshot in snapshots:
         alive = snapshot["deleted"] == 0
         if alive.tobytes() not in found:
-            found[alive.tobytes()] = len(found), outer_faces(body.cells[alive])
+            found[alive.tobytes()] = len(found), outer(body.cells[alive])
         faces_at.append(found[alive.tobytes()][0])
-    sets = [faces for _, faces in found.values()]
-    points = np.unique(np.concatenate([faces.ravel() for faces in sets]))
-    return Skin(points, tuple(np.searchsorted(points, faces) for faces in sets), tuple(faces_at), 0.0)
+    return [outermost for _, outermost in found.values()], tuple(faces_at)
 
 
 def skin_of_points(body: Body, coarser: int = 1) -> Skin:
     """Return the points of the rod's surface; of those in each block of ``coarser``³ spacings only the first."""
+    if in_half_plane(body):
+        turning = surface_points(body, coarser)
+        return Skin(turning.points, turning.angle, (), (), coarser * spacing(body))
     surface = body.surface
     every = np.concatenate([surface.ring.ravel(), surface.tail[:, 0], surface.foot[:, 0]])
     points = np.unique(every[every >= 0])
-    edge = coarser * float(np.cbrt(np.median(body.volume)))
+    edge = coarser * spacing(body)
     if coarser > 1:
         block = np.floor(body.position[points] / edge + 1e-6)
         points = points[np.sort(np.unique(block, axis=0, return_index=True)[1])]
-    return Skin(points, (), (), edge)
+    return Skin(points, np.zeros(len(points)), (), (), edge)
 
 
 def at_points(field: Field, snapshot: Snapshot, body: Body) -> Array:

@@ -1,6 +1,7 @@
 """Finite elements: one short file each, found by itself.
 
-An element is a NamedTuple of its choices, offered under the name that a case uses; it says how many integration points
+An element is a NamedTuple of its choices, offered under the name that a case uses, for hexahedra ("3d") or for rings
+of quadrilateral section ("axisymmetric"); it says how many integration points
 it has and what it remembers, and answers to the nodes' motion over a step.
 """
 
@@ -55,14 +56,14 @@ class Element(Protocol):
         ...
 
 
-ELEMENTS: dict[str, Any] = {}
+ELEMENTS: dict[str, dict[str, Any]] = {"3d": {}, "axisymmetric": {}}  # by geometry and name
 
 
-def offer(name: str) -> Callable[[type[T]], type[T]]:
-    """Let cases choose the decorated element by ``name``."""
+def offer(name: str, geometry: str = "3d") -> Callable[[type[T]], type[T]]:
+    """Let cases of a geometry choose the decorated element by ``name``."""
 
     def register(element: type[T]) -> type[T]:
-        ELEMENTS[name] = element
+        ELEMENTS[geometry][name] = element
         return element
 
     return register

@@ -1,0 +1,52 @@
+"""Axisymmetric bodies: rings of quadrilateral section, and finite element methods on them."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from bricks import ELASTIC, Array, Boundaries
+from numpy.typing import NDArray
+
+from viscopoint.body import Body
+from viscopoint.fem.elements import Element
+from viscopoint.fem.elements.ring_one_point import RingOnePoint
+from viscopoint.fem.elements.ring_selective import RingSelective
+from viscopoint.fem.hourglass import StiffnessControl, ViscousControl
+from viscopoint.fem.method import Discretisation, FiniteElementMethod
+from viscopoint.fem.section import node_volumes, section_mesh
+from viscopoint.viscosity import BulkViscosity
+
+ELEMENTS = {
+    "viscous": RingOnePoint(ViscousControl()),
+    "stiffness": RingOnePoint(StiffnessControl()),
+    "selective": RingSelective(),
+}
+each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
+
+
+def section(radius: float, length: float, columns: int, layers: int, shake: float = 0.0) -> Body:
+    """Return half a rod's section of equal rectangles; inner nodes are moved at random by up to ``shake`` [mm]."""
+    body = section_mesh(radius, radius * layers / columns, radius / columns)
+    position: Array = body.position * [1.0, 0.0, length * columns / (radius * layers)]
+    inner = ~outside(position)
+    position[inner] += np.random.default_rng(7).uniform(-shake, shake, (int(inner.sum()), 3)) * [1.0, 0.0, 1.0]
+    return body._replace(position=position, volume=node_volumes(position, body.cells))
+
+
+def outside(position: Array) -> NDArray[np.bool_]:
+    """Return which nodes stand on the axis, the mantle or the ends."""
+    low, high = position.min(axis=0), position.max(axis=0)
+    return ((position == low) | (position == high))[:, [0, 2]].any(axis=1)
+
+
+def fem(
+    body: Body,
+    element: Element,
+    law: Any = ELASTIC,
+    boundaries: Boundaries = (),
+    velocity: Any = (0.0, 0.0, 0.0),
+    safety: float = 0.9,
+    viscosity: tuple[float, float] = (0.0, 0.0),
+) -> FiniteElementMethod:
+    choices = Discretisation(element, safety, BulkViscosity(*viscosity))
+    return FiniteElementMethod(body, law, boundaries, choices, velocity)

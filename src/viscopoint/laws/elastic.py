@@ -67,4 +67,4 @@ def energy(law: Elastic, jacobian: float, stress: Sym, history: History) -> floa
 @implements(shear_energy, Elastic)
 def spring_energy(law: Elastic, stress: Sym, history: History) -> float:
     shape = deviator(stress)
-    return contract(shape, shape) / (4.0 * law.shear) if law.shear > 0.0 else 0.0
+    return 0.25 / law.shear * contract(shape, shape) if law.shear > 0.0 else 0.0

@@ -26,7 +26,18 @@ ROUNDING = 100 * np.finfo(float).eps
 REACH = {"trilinear": 1.0, "gimp": 1.25, "cpgimp": 1.25, "quadratic": 1.5, "cubic": 2.0}  # cells, of points h/2 apart
 VARIANTS = pytest.mark.parametrize(
     ("shape", "transfer"),
-    [("trilinear", Flip(0.0)), ("gimp", Apic()), ("gimp", Fmpm(2)), ("quadratic", Flip(0.0)), ("cubic", Flip(0.0))],
+    [
+        ("trilinear", Flip(0.0)),
+        ("gimp", Apic()),
+        *(
+            pytest.param(*choice, marks=pytest.mark.long)
+            for choice in (
+                ("gimp", Fmpm(2)),
+                ("quadratic", Flip(0.0)),
+                ("cubic", Flip(0.0)),
+            )
+        ),
+    ],
     ids=str,
 )
 

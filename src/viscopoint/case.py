@@ -78,12 +78,13 @@ class Case(Table):
     @classmethod
     def from_tables(cls, tables: Mapping[str, Any], source: str = "the case") -> Self:
         """Check tables as they stand in a TOML file; raise ``CaseError`` with all faults."""
-        tables = _with_method(tables)
+        given, tables = tables, _with_method(tables)
         try:
             return cls.model_validate(dict(tables))
         except ValidationError as error:
             faults = [explain(detail, cls, tables) for detail in error.errors() if detail["type"] not in SECONDARY]
-            raise CaseError(source, faults + list(broken(valid_values(cls, tables)))) from None
+            faults += broken(valid_values(cls, tables))
+            raise CaseError(source, [_of_method(fault, given) for fault in faults]) from None
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **tables: Mapping[str, Any]) -> Self:
         """Return a changed copy, checked again.
@@ -169,6 +170,13 @@ def _with_method(tables: Mapping[str, Any]) -> Mapping[str, Any]:
         return tables
     radius = valid_values(Rod, rod).get("radius", 1.0) if isinstance(rod, Mapping) else 1.0  # of any: told elsewhere
     return {**tables, "method": {"name": RECOMMENDED, "spacing": f"{radius / RADIUS_IN_SPACINGS!r} mm", **own}}
+
+
+def _of_method(fault: Fault, given: Mapping[str, Any]) -> Fault:
+    """Return a fault that says which method was meant, if the case names none."""
+    if not fault.key.startswith("method.") or _at_key(given, "method", "name") is not None:
+        return fault
+    return fault._replace(message=f'{fault.message} (the case names no method: method.name is "{RECOMMENDED}")')
 
 
 def _located(tables: dict[str, Any], source: Path) -> dict[str, Any]:

@@ -53,7 +53,10 @@ def run(
     ] = None,
     method: Annotated[
         str | None,
-        typer.Option(help="mpm, fem or tlmpm, at the case's distance of points or nodes (default: the case's own)."),
+        typer.Option(
+            help="mpm, fem or tlmpm, at the case's distance of points or nodes, geometry and bulk viscosity, and all "
+            "else as usual (default: the case's own)."
+        ),
     ] = None,
     changes: Set = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a run folder that is already there.")] = False,

@@ -118,7 +118,8 @@ class Impact(Table):
 def symmetry_from_the_start(wall: str, gap: float, friction: float) -> str | None:
     if wall == "rigid" or (gap == 0.0 and friction == 0.0):
         return None
-    return '"symmetry" holds the foot from the start, free to slide: impact.gap and impact.friction must be 0'
+    given = f"not {gap:g} mm and {friction:g}"
+    return f'"symmetry" holds the foot from the start, free to slide: impact.gap and impact.friction must be 0, {given}'
 
 
 class Time(Table):

@@ -57,6 +57,11 @@ def test_first_contact_is_within_a_step_of_the_flight_over_the_gap(shape: str, g
             assert late <= dt - min(gap, HALF) / SPEED
 
 
+def test_a_foot_that_stands_on_the_wall_touches_it_at_once_whatever_the_last_bit_says() -> None:
+    for gap in (-1e-13, 0.0, 1e-13):
+        assert first_push(falling(gap, shape="gimp"), 1e-5) == 0.0
+
+
 def test_what_is_squeezed_arrives_later() -> None:
     """The lower edge follows the point's stretch: half of a height of half a cell, for these, is where it was."""
     gap, squeezed = 0.3, 0.6

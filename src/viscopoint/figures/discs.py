@@ -28,7 +28,8 @@ def cut_open(run: Run, snapshot: Snapshot) -> Indices:
 
 def paint(axis: Any, run: Run, snapshot: Snapshot, points: Indices, seen: Array, colours: Normalize) -> None:
     """Draw points in their axial velocity, the far ones first, so that they cover what is behind."""
-    order = points[np.argsort(-seen[points, 2])]
+    depth = np.round(seen[points, 2], 9)  # points of one depth keep their order, on both sides of the axis alike
+    order = points[np.argsort(-depth, kind="stable")]
     order = order[snapshot["lost"][order] == 0]
     width = np.full(len(order), COVER * spacing(run.body))
     axis.add_collection(

@@ -70,7 +70,7 @@ class MPMInput(MethodInput):
         if self.box is not None:
             return self
         side = 4.0 * rod.radius
-        box = BoxInput.model_construct(x=(-side, side), y=(-side, side), z=(-impact.gap, 2.0 * rod.length))
+        box = BoxInput.model_construct(x=(-side, side), y=(-side, side), z=(0.0 - impact.gap, 2.0 * rod.length))
         return self.model_copy(update={"box": box})
 
     def body(self, rod: Rod) -> Body:
@@ -133,13 +133,17 @@ def cell_within_length(cell: float, length: float) -> str | None:
     return f"{cell:g} mm is larger than the rod: rod.length is {length:g} mm" if cell > length else None
 
 
-@rule("method.spacing", "rod.length")
-def two_layers_in_rod(spacing: float, length: float) -> str | None:
-    return f"{spacing:g} mm leaves no two layers in rod.length, {length:g} mm" if 1.5 * spacing > length else None
+@rule("method.spacing", "rod.length", "method.name")
+def two_layers_in_rod(spacing: float, length: float, name: str) -> str | None:
+    if name != "mpm" or 1.5 * spacing <= length:
+        return None
+    return f"{spacing:g} mm leaves no two layers in rod.length, {length:g} mm"
 
 
-@rule("method.spacing", "rod.radius", "rod.length", "method.geometry")
-def points_within_memory(spacing: float, radius: float, length: float, geometry: str) -> str | None:
+@rule("method.spacing", "rod.radius", "rod.length", "method.geometry", "method.name")
+def points_within_memory(spacing: float, radius: float, length: float, geometry: str, name: str) -> str | None:
+    if name != "mpm":
+        return None
     points = GEOMETRIES[geometry].points(radius, length, spacing)
     needed, there = points * BYTES_PER_POINT / 2**30, machine_memory() / 2**30
     if needed <= there:
@@ -167,14 +171,14 @@ def _too_far(limits: tuple[float, float], cell: float) -> str | None:
     return f"{cells:.1e} cells of {cell:g} mm; at most {MOST_CELLS:,} are allowed" if cells > MOST_CELLS else None
 
 
-@rule("method.box.x", "rod.radius")
-def box_around_rod_in_x(limits: tuple[float, float], radius: float) -> str | None:
-    return _cut(limits, -radius, radius)
+@rule("method.box.x", "rod.radius", "method.geometry")
+def box_around_rod_in_x(limits: tuple[float, float], radius: float, geometry: str) -> str | None:
+    return _cut(limits, -radius if geometry == "3d" else 0.0, radius)
 
 
-@rule("method.box.y", "rod.radius")
-def box_around_rod_in_y(limits: tuple[float, float], radius: float) -> str | None:
-    return _cut(limits, -radius, radius)
+@rule("method.box.y", "rod.radius", "method.geometry")
+def box_around_rod_in_y(limits: tuple[float, float], radius: float, geometry: str) -> str | None:
+    return _cut(limits, -radius, radius) if geometry == "3d" else None
 
 
 @rule("method.box.z", "rod.length", "impact.gap")

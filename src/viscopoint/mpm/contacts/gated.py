@@ -22,6 +22,7 @@ from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import Support, around
 from viscopoint.wall import RigidWall
 
+TOUCHING = 1e-9  # cells; a foot that stands on the wall does so whatever the last bit of its height
 REACH = 2  # cells; points further above the wall act on none of its nodes
 
 
@@ -49,7 +50,7 @@ def mark_arrived(
     for slab in range(min(near // SLAB + 1, len(grid.start) - 2)):
         for q in range(grid.start[slab], grid.start[slab + 1]):
             p = grid.order[q]
-            if points.position[p, 2] - half * points.stretch[p, 2] <= height:
+            if points.position[p, 2] - half * points.stretch[p, 2] <= height + TOUCHING * grid.cell:
                 mark(arrived, grid, around(points, p, grid, shape))
 
 

@@ -1,6 +1,6 @@
 """How accurate each method is for what it costs: the tables and figures of docs/accuracy.md.
 
-    python benchmarks/accuracy.py run     # about two hours on two cores; complete runs are used again
+    python benchmarks/accuracy.py run     # about an hour on two cores; complete runs are used again
     python benchmarks/accuracy.py cost    # processor time of each variant, on an otherwise idle machine: some minutes
     python benchmarks/accuracy.py show    # tables as Markdown, docs/accuracy.csv, figures into docs/figures
 
@@ -145,7 +145,7 @@ def cost() -> None:
 
 
 class Errors(NamedTuple):
-    """How far a run is from the limit at one time: per cent, but for the last two."""
+    """How far a run is from the limit at one time, in per cent; what is not an error says what it is."""
 
     foot_radius: float
     greatest_radius: float

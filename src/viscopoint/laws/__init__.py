@@ -74,7 +74,7 @@ def hypoelastic_work(law: Any, growth: float, stress: Sym, history: History, aft
 
     The shear's energy e per current volume follows the strain: J de is work done, less what the law dissipates. The
     energy stored is J e; nothing pays for its other part, e dJ. Laws that are linear in Cauchy stress by the Jaumann
-    rate have no potential where volume changes under shear, and give or take so much (Simo & Hughes 1998, 7.3).
+    rate have no potential where volume changes under shear, and give or take so much (see Simo & Pister 1984).
 
     Args:
         law: the parameters.

@@ -186,7 +186,7 @@ def average(grid: Grid) -> None:
 
 @kernel
 def solve(grid: Grid, dt: float) -> None:
-    """Do what ``accelerate`` says."""
+    """Take the nodes' force to their velocity, v_i = ((mv)_i + f_i Δt) / m_i, and to its change."""
     momentum, velocity, change = grid.momentum, grid.velocity, grid.change
     for n in prange(len(momentum)):
         per_mass = 1.0 / momentum[n, 3] if momentum[n, 3] > 0.0 else 0.0
@@ -197,7 +197,7 @@ def solve(grid: Grid, dt: float) -> None:
 
 @kernel
 def divide(grid: Grid) -> None:
-    """Do what ``average`` says."""
+    """Divide the nodes' momentum by their mass."""
     momentum, velocity = grid.momentum, grid.velocity
     for n in prange(len(momentum)):
         per_mass = 1.0 / momentum[n, 3] if momentum[n, 3] > 0.0 else 0.0

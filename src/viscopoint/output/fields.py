@@ -1,8 +1,8 @@
 """``fields.vtkhdf``: all fields at each snapshot, one file that ParaView and PyVista open as an animation.
 
-Temporal VTKHDF 2.3 of type UnstructuredGrid: finite elements as hexahedra, or quadrilaterals of
-an axisymmetric body's half section; material points as vertices. The cells are
-stored once; positions and fields are appended, and a snapshot counts (``NSteps``) only when all of it is there.
+Temporal VTKHDF 2.3 of type UnstructuredGrid: finite elements as hexahedra, or quadrilaterals of an axisymmetric body's
+half section; material points as vertices. The cells are stored once; positions and fields are appended, and a snapshot
+counts (``NSteps``) only when all of it is there.
 """
 
 import errno

@@ -1,8 +1,8 @@
 """Finite elements: one short file each, found by itself.
 
 An element is a NamedTuple of its choices, offered under the name that a case uses, for hexahedra ("3d") or for rings
-of quadrilateral section ("axisymmetric"); it says how many integration points
-it has and what it remembers, and answers to the nodes' motion over a step.
+of quadrilateral section ("axisymmetric"); it says how many integration points it has and what it remembers, and answers
+to the nodes' motion over a step.
 """
 
 from collections.abc import Callable

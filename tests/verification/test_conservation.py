@@ -13,7 +13,6 @@ from columns import (
     CELL,
     ELASTIC,
     HEIGHT,
-    SHEAR_SHORT,
     Array,
     advance,
     block,
@@ -133,8 +132,7 @@ def test_energy_of_a_small_vibration_closes_to_first_order_in_the_time_step() ->
         advance(method, 0.02)
         errors.append(missing(start, method.totals()))
     assert_allclose([errors[0] / errors[1], errors[1] / errors[2]], 2.0, rtol=0.15)
-    # what stays is of the strain's size: rate-form shear stores no exact energy
-    assert abs(2 * errors[2] - errors[1]) < np.abs(method.points.stress).max() / (2 * SHEAR_SHORT)
+    assert abs(2 * errors[2] - errors[1]) < 0.1 * errors[2]  # nothing else is missing
 
 
 @pytest.mark.parametrize("cell", [1.0, 0.5])

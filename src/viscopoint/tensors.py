@@ -1,7 +1,7 @@
 """Small tensors as values: vectors, symmetric (stress, strain) and general (velocity gradient, rotation) 3 x 3.
 
-A ``Vec`` or ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike, where it
-lives in registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
+A ``Vec``, ``Lanes`` or ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike,
+where it lives in registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
 """
 
 import math
@@ -18,7 +18,6 @@ from viscopoint.values import (
     hold_as_struct,
     inside_kernels,
     lanewise,
-    rearranged,
     scaled,
     stored,
 )
@@ -42,6 +41,22 @@ class Vec:
 
     def __rmul__(self, factor: float) -> "Vec":
         return _scale_vector(factor, self)
+
+
+@dataclass(frozen=True, slots=True)
+class Lanes:
+    """A row of the nodes' arrays ``[n, 4]``: a vector and what goes with it, in one vector register."""
+
+    x: float
+    y: float
+    z: float
+    w: float
+
+    def __add__(self, other: "Lanes") -> "Lanes":
+        return Lanes(self.x + other.x, self.y + other.y, self.z + other.z, self.w + other.w)
+
+    def __rmul__(self, factor: float) -> "Lanes":
+        return Lanes(factor * self.x, factor * self.y, factor * self.z, factor * self.w)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,24 +117,32 @@ def _scale_vector(k: float, a: Vec) -> Vec:
     return Vec(k * a.x, k * a.y, k * a.z)
 
 
+def fetch(rows: Any, n: int) -> Lanes:
+    """Read row n of ``rows[n, 4]``."""
+    return Lanes(*rows[n])
+
+
+def put(rows: Any, n: int, a: Lanes) -> None:
+    """Store a row of ``rows[n, 4]``."""
+    rows[n] = a.x, a.y, a.z, a.w
+
+
+@inline
+def no_lanes() -> Lanes:
+    """Return nil."""
+    return Lanes(0.0, 0.0, 0.0, 0.0)
+
+
+@inline
 def product(a: Vec, b: Vec) -> Vec:
     """Return the products of the components."""
     return Vec(a.x * b.x, a.y * b.y, a.z * b.z)
 
 
-def cycled(a: Vec) -> Vec:
-    """Return (y, z, x)."""
-    return Vec(a.y, a.z, a.x)
-
-
-def fetch(rows: Any, n: int) -> Vec:
-    """Read a vector from row n of ``rows[n, 4]``, whose fourth column is there to make it a whole vector register."""
-    return Vec(*rows[n, :3])
-
-
-def put(rows: Any, n: int, a: Vec) -> None:
-    """Store a vector in row n of ``rows[n, 4]``."""
-    rows[n, :3] = a.x, a.y, a.z
+@inline
+def read_vector(row: Any) -> Vec:
+    """Read a vector from the first three values of an array row."""
+    return Vec(row[0], row[1], row[2])
 
 
 @inline
@@ -137,7 +160,7 @@ def dot(a: Vec, b: Vec) -> float:
 @inline
 def cross(a: Vec, b: Vec) -> Vec:
     """Return a x b."""
-    return cycled(product(a, cycled(b)) - product(cycled(a), b))
+    return Vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
 # --- general tensors -------------------------------------------------------------------------------------------------
@@ -279,14 +302,14 @@ def components(a: Sym) -> tuple[float, float, float, float, float, float]:
 
 # --- inside kernels --------------------------------------------------------------------------------------------------
 
-_VEC, _SYM = hold_as_lanes(Vec), hold_as_struct(Sym)
-inside_kernels(operator.add, lanewise("fadd"), _VEC, _VEC)
-inside_kernels(operator.sub, lanewise("fsub"), _VEC, _VEC)
-inside_kernels(operator.mul, scaled(), types.Number, _VEC)
-inside_kernels(product, lanewise("fmul"), _VEC, _VEC)
-inside_kernels(cycled, rearranged([1, 2, 0, 3]), _VEC)
-inside_kernels(fetch, fetched(Vec), types.Array, types.Integer)
-inside_kernels(put, stored(), types.Array, types.Integer, _VEC)
+_VEC, _LANES, _SYM = hold_as_struct(Vec), hold_as_lanes(Lanes), hold_as_struct(Sym)
+inside_kernels(operator.add, _add_vectors, _VEC, _VEC)
+inside_kernels(operator.sub, _subtract_vectors, _VEC, _VEC)
+inside_kernels(operator.mul, _scale_vector, types.Number, _VEC)
+inside_kernels(operator.add, lanewise("fadd"), _LANES, _LANES)
+inside_kernels(operator.mul, scaled(), types.Number, _LANES)
+inside_kernels(fetch, fetched(Lanes), types.Array, types.Integer)
+inside_kernels(put, stored(), types.Array, types.Integer, _LANES)
 inside_kernels(operator.add, _add, _SYM, _SYM)
 inside_kernels(operator.sub, _subtract, _SYM, _SYM)
 inside_kernels(operator.mul, _scale, types.Number, _SYM)

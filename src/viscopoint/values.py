@@ -1,8 +1,7 @@
 """Small classes of floats as values inside kernels, so that they live in registers.
 
 ``hold_as_struct`` lets kernels construct a frozen dataclass and read its fields; ``hold_as_lanes`` does the same for
-one of three fields, in one vector register of four numbers, of which an operation handles all at once: hexahedra take
-a quarter less time than with three numbers each.
+one of four fields, in one vector register, of which an operation handles all at once.
 """
 
 import inspect
@@ -56,7 +55,7 @@ def hold_as_struct(value: type) -> type:
 
 
 def hold_as_lanes(value: type) -> type:
-    """Let kernels hold a class of three fields in one vector register, the fourth lane zero; return its Numba type."""
+    """Let kernels hold a class of four fields in one vector register; return its Numba type."""
     kind = _declared(value)
 
     @register_model(kind)
@@ -64,9 +63,9 @@ def hold_as_lanes(value: type) -> type:
         def __init__(self, manager: Any, kind: Any) -> None:
             super().__init__(manager, kind, LANES)
 
-    @lower_builtin(value, types.Any, types.Any, types.Any)
+    @lower_builtin(value, types.Any, types.Any, types.Any, types.Any)
     def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        packed = ir.Constant(LANES, [0.0] * 4)
+        packed = ir.Constant(LANES, ir.Undefined)
         for number, (given, given_kind) in enumerate(zip(values, signature.args, strict=True)):
             packed = builder.insert_element(
                 packed, context.cast(builder, given, given_kind, types.float64), _at(number)
@@ -115,24 +114,11 @@ def scaled() -> Any:
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             number = context.cast(builder, values[0], signature.args[0], types.float64)
             first = builder.insert_element(ir.Constant(LANES, ir.Undefined), number, _at(0))
-            return builder.fmul(_shuffled(builder, first, [0, 0, 0, 0]), values[1])
+            return builder.fmul(_in_all_lanes(builder, first), values[1])
 
         return vector(factor, vector), lower
 
     return lambda a, b: scale(a, b)  # pyright: ignore[reportCallIssue]
-
-
-def rearranged(lanes: list[int]) -> Any:
-    """Return a function of a value held as lanes that takes its lanes in another order."""
-
-    @intrinsic
-    def shuffle(context: Any, vector: Any) -> Any:
-        def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            return _shuffled(builder, values[0], lanes)
-
-        return vector(vector), lower
-
-    return lambda a: shuffle(a)  # pyright: ignore[reportCallIssue]
 
 
 def fetched(value: type) -> Any:
@@ -212,6 +198,28 @@ def _at(number: int) -> ir.Constant:
     return ir.Constant(ir.IntType(32), number)
 
 
-def _shuffled(builder: Any, vector: Any, lanes: list[int]) -> Any:
-    mask = ir.Constant(ir.VectorType(ir.IntType(32), 4), lanes)
+def _in_all_lanes(builder: Any, vector: Any) -> Any:
+    mask = ir.Constant(ir.VectorType(ir.IntType(32), 4), [0] * 4)
     return builder.shuffle_vector(vector, ir.Constant(LANES, ir.Undefined), mask)
+
+
+def pick(values: tuple[float, ...], n: int) -> float:
+    """Return the n-th of some numbers. In a loop that is not unrolled Numba would compare n with each place."""
+    return values[n]
+
+
+@intrinsic
+def _pick(context: Any, values: Any, n: Any) -> Any:
+    def lower(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        parts = cgutils.unpack_tuple(builder, given[0])
+        memory = cgutils.alloca_once(builder, ir.DoubleType(), size=ir.Constant(ir.IntType(64), len(parts)))
+        for number, part in enumerate(parts):
+            builder.store(part, builder.gep(memory, [_at(number)], inbounds=True))
+        return builder.load(builder.gep(memory, [given[1]], inbounds=True))
+
+    return types.float64(values, types.int64), lower
+
+
+@overload(pick, **ATTRIBUTES)
+def _pick_one(values: Any, n: Any) -> Any:
+    return lambda values, n: _pick(values, n)  # pyright: ignore[reportCallIssue]  (an intrinsic)

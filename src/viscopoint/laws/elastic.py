@@ -1,11 +1,11 @@
 """Isotropic elastic solid: hypoelastic shear with the Jaumann rate, p = -K ln J."""
 
-import math
 from typing import Literal, NamedTuple
 
 from viscopoint.inputs import Material
 from viscopoint.jit import implements
 from viscopoint.laws import History, shear_energy, step_factors, stored_energy, update_stress, volumetric_energy
+from viscopoint.logarithm import log
 from viscopoint.tensors import Matrix, Sym, contract, deviator, rotated, spherical
 from viscopoint.units import Density, Modulus, PositiveModulus
 
@@ -56,12 +56,12 @@ def update(
     law: Elastic, factors: float, strain: Sym, turn: Matrix, jacobian: float, stress: Sym, history: History
 ) -> tuple[Sym, History, float]:
     shape = rotated(deviator(stress), turn) + 2.0 * law.shear * deviator(strain)
-    return shape + spherical(law.bulk * math.log(jacobian)), history, 0.0
+    return shape + spherical(law.bulk * log(jacobian)), history, 0.0
 
 
 @implements(stored_energy, Elastic)
 def energy(law: Elastic, jacobian: float, stress: Sym, history: History) -> float:
-    return volumetric_energy(law.bulk, jacobian, math.log(jacobian)) + jacobian * shear_energy(law, stress, history)
+    return volumetric_energy(law.bulk, jacobian, log(jacobian)) + jacobian * shear_energy(law, stress, history)
 
 
 @implements(shear_energy, Elastic)

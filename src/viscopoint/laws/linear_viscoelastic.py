@@ -15,6 +15,7 @@ from typing import Literal, NamedTuple
 from viscopoint.inputs import Material
 from viscopoint.jit import implements, inline
 from viscopoint.laws import History, shear_energy, step_factors, stored_energy, update_stress, volumetric_energy
+from viscopoint.logarithm import log
 from viscopoint.rules import rule
 from viscopoint.tensors import Matrix, Sym, components, contract, deviator, read, rotated, spherical
 from viscopoint.units import Decay, Density, Modulus, PositiveModulus
@@ -104,13 +105,13 @@ def update(
     )
     arm = factors.relaxed * arm + 2.0 * law.shear_arm * factors.gain * shape  # eq. 9
     spring = spring + 2.0 * law.shear_long * shape
-    stress = spring + arm + spherical(law.bulk * math.log(jacobian))  # eq. 6
+    stress = spring + arm + spherical(law.bulk * log(jacobian))  # eq. 6
     return stress, components(arm), dissipated
 
 
 @implements(stored_energy, LinearViscoelastic)
 def energy(law: LinearViscoelastic, jacobian: float, stress: Sym, history: History) -> float:
-    return volumetric_energy(law.bulk, jacobian, math.log(jacobian)) + jacobian * shear_energy(law, stress, history)
+    return volumetric_energy(law.bulk, jacobian, log(jacobian)) + jacobian * shear_energy(law, stress, history)
 
 
 @implements(shear_energy, LinearViscoelastic)

@@ -1,13 +1,15 @@
 """Points that carry a velocity gradient: what they give to the nodes around them, v_p + C (x_i - x_p)."""
 
-import numpy as np
+from typing import Any
+
+from numba.cpython.unsafe.tuple import tuple_setitem
 
 from viscopoint.arrays import Array
 from viscopoint.jit import inline
 from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.shapes import Weights
-from viscopoint.mpm.support import Support, pull_in
-from viscopoint.tensors import Matrix, Sym
+from viscopoint.mpm.support import Support, pull_in, sampled_with_gradient, spread, spread_gradient
+from viscopoint.tensors import Lanes, Matrix, Sym
 
 
 @inline
@@ -34,65 +36,41 @@ def inertia(weights: Weights) -> float:
 
 
 @inline
-def moment(field: Array, grid: Grid, at: Support) -> Matrix:
+def arms(at: Any) -> Support:
+    """Return the support with N (x_i - x_p) (in cells) in place of the slopes along each axis."""
+    return Support(at.first, at.wx, at.wy, at.wz, leverage(at.wx), leverage(at.wy), leverage(at.wz))
+
+
+@inline
+def leverage(weights: Weights) -> Weights:
+    """Return N (x_i - x_p) along one axis, in cells."""
+    place, turning = middle(weights), weights
+    for a in range(len(weights)):
+        turning = tuple_setitem(turning, a, weights[a] * (a - place))
+    return turning
+
+
+@inline
+def moment(field: Array, grid: Grid, at: Any) -> Matrix:
     """Return Σ N field ⊗ (x_i - x_p) (in cells) at a point."""
-    x0, y0, z0 = middle(at.wx), middle(at.wy), middle(at.wz)
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for c in range(len(at.wz)):
-        for b in range(len(at.wy)):
-            row = at.first + (np.uint64(c) * grid.ny + np.uint64(b)) * grid.nx
-            for a in range(len(at.wx)):
-                node = row + np.uint64(a)
-                w = at.wx[a] * at.wy[b] * at.wz[c]
-                rx, ry, rz = a - x0, b - y0, c - z0
-                x, y, z = w * field[node, 0], w * field[node, 1], w * field[node, 2]
-                xx += x * rx
-                xy += x * ry
-                xz += x * rz
-                yx += y * rx
-                yy += y * ry
-                yz += y * rz
-                zx += z * rx
-                zy += z * ry
-                zz += z * rz
-    return Matrix(xx, xy, xz, yx, yy, yz, zx, zy, zz)
+    _, x, y, z = sampled_with_gradient(field, grid, arms(at))
+    return Matrix(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z)
 
 
 @inline
-def spread_affine(grid: Grid, at: Support, m: float, v: tuple[float, float, float], C: Matrix) -> None:
+def spread_affine(grid: Grid, at: Any, m: float, v: tuple[float, float, float], C: Matrix) -> None:
     """Add N m and N m (v + C (x_i - x_p)) to the nodes' momentum; C is per cell."""
-    momentum = grid.momentum
-    x0, y0, z0 = middle(at.wx), middle(at.wy), middle(at.wz)
-    for c in range(len(at.wz)):
-        for b in range(len(at.wy)):
-            row = at.first + (np.uint64(c) * grid.ny + np.uint64(b)) * grid.nx
-            for a in range(len(at.wx)):
-                node = row + np.uint64(a)
-                w = m * at.wx[a] * at.wy[b] * at.wz[c]
-                rx, ry, rz = a - x0, b - y0, c - z0
-                momentum[node, 0] += w * (v[0] + C.xx * rx + C.xy * ry + C.xz * rz)
-                momentum[node, 1] += w * (v[1] + C.yx * rx + C.yy * ry + C.yz * rz)
-                momentum[node, 2] += w * (v[2] + C.zx * rx + C.zy * ry + C.zz * rz)
-                momentum[node, 3] += w
+    spread(grid.momentum, grid, at, m * v[0], m * v[1], m * v[2], m)
+    x, y, z = Lanes(C.xx, C.yx, C.zx, 0.0), Lanes(C.xy, C.yy, C.zy, 0.0), Lanes(C.xz, C.yz, C.zz, 0.0)
+    spread_gradient(grid.momentum, grid, arms(at), m * x, m * y, m * z)
 
 
 @inline
-def spread_force(grid: Grid, at: Support, s: Sym) -> None:
+def spread_force(grid: Grid, at: Any, s: Sym) -> None:
     """Add s · ∇N (per cell) to the nodes' force."""
-    force = grid.change
-    for c in range(len(at.wz)):
-        for b in range(len(at.wy)):
-            row = at.first + (np.uint64(c) * grid.ny + np.uint64(b)) * grid.nx
-            for a in range(len(at.wx)):
-                node = row + np.uint64(a)
-                gx = at.dx[a] * at.wy[b] * at.wz[c]
-                gy = at.wx[a] * at.dy[b] * at.wz[c]
-                gz = at.wx[a] * at.wy[b] * at.dz[c]
-                force[node, 0] += s.xx * gx + s.xy * gy + s.zx * gz
-                force[node, 1] += s.xy * gx + s.yy * gy + s.yz * gz
-                force[node, 2] += s.zx * gx + s.yz * gy + s.zz * gz
-                force[node, 3] += 0.0  # keeps the row one vector
-    pull_in(at, force, grid, s.yy)
+    x, y, z = Lanes(s.xx, s.xy, s.zx, 0.0), Lanes(s.xy, s.yy, s.yz, 0.0), Lanes(s.zx, s.yz, s.zz, 0.0)
+    spread_gradient(grid.change, grid, at, x, y, z)
+    pull_in(at, grid.change, grid, s.yy)
 
 
 @inline

@@ -15,6 +15,7 @@ from viscopoint.arrays import Array
 from viscopoint.jit import kernel
 from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.points import Points
+from viscopoint.tensors import fetch, no_lanes, put
 
 SLAB = 3  # layers of cells; their points may act on twice as many nodes along z, all told
 CHUNKS = 64  # pieces of the point list that are sorted independently
@@ -128,6 +129,7 @@ def find_slabs(
     for chunk in prange(CHUNKS):
         x0, y0, z0 = least[chunk]
         x1, y1, z1 = most[chunk]
+        present, run = outside, 0  # neighbours in the list mostly share a slab: counted in a register
         for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
             x, y, z = position[p, 0], position[p, 1], position[p, 2]
             mine = outside
@@ -138,7 +140,11 @@ def find_slabs(
                 z0, z1 = min(z0, z), max(z1, z)
                 mine = int((z - grid.z0) * grid.per_cell) // SLAB
             slab[p] = mine
-            count[chunk, mine] += 1
+            if mine != present:
+                count[chunk, present] += run
+                present, run = mine, 0
+            run += 1
+        count[chunk, present] += run
         least[chunk, 0], least[chunk, 1], least[chunk, 2] = x0, y0, z0
         most[chunk, 0], most[chunk, 1], most[chunk, 2] = x1, y1, z1
 
@@ -148,10 +154,27 @@ def sort_by_slab(slab: NDArray[np.int32], offset: NDArray[np.int64], order: NDAr
     """List the points by slab; ``offset[chunk, slab]`` says where each chunk's points go."""
     total = len(slab)
     for chunk in prange(CHUNKS):
-        for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
-            mine = slab[p]
-            order[offset[chunk, mine]] = p
-            offset[chunk, mine] += 1
+        first, last = chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS
+        if first == last:
+            continue
+        present = slab[first]
+        place = offset[chunk, present]
+        for p in range(first, last):
+            if slab[p] != present:
+                offset[chunk, present] = place
+                present = slab[p]
+                place = offset[chunk, present]
+            order[place] = p
+            place += 1
+
+
+@kernel
+def forget(grid: Grid) -> None:
+    """Set the nodes' mass, momentum and force to zero."""
+    momentum, force = grid.momentum, grid.change
+    for n in prange(len(momentum)):
+        put(momentum, n, no_lanes())
+        put(force, n, no_lanes())
 
 
 @kernel
@@ -159,17 +182,7 @@ def forget_momentum(grid: Grid) -> None:
     """Set the nodes' mass and momentum to zero."""
     momentum = grid.momentum
     for n in prange(len(momentum)):
-        for a in range(4):
-            momentum[n, a] = 0.0
-
-
-@kernel
-def forget_force(grid: Grid) -> None:
-    """Set the nodes' force to zero."""
-    force = grid.change
-    for n in prange(len(force)):
-        for a in range(4):
-            force[n, a] = 0.0
+        put(momentum, n, no_lanes())
 
 
 def accelerate(grid: Grid, dt: float) -> None:
@@ -189,10 +202,11 @@ def solve(grid: Grid, dt: float) -> None:
     """Take the nodes' force to their velocity, v_i = ((mv)_i + f_i Δt) / m_i, and to its change."""
     momentum, velocity, change = grid.momentum, grid.velocity, grid.change
     for n in prange(len(momentum)):
-        per_mass = 1.0 / momentum[n, 3] if momentum[n, 3] > 0.0 else 0.0
-        for a in range(3):
-            change[n, a] *= per_mass * dt
-            velocity[n, a] = per_mass * momentum[n, a] + change[n, a]
+        m = momentum[n, 3]
+        per_mass = 1.0 / m if m > 0.0 else 0.0
+        gain = (per_mass * dt) * fetch(change, n)
+        put(change, n, gain)
+        put(velocity, n, per_mass * fetch(momentum, n) + gain)
 
 
 @kernel
@@ -200,6 +214,5 @@ def divide(grid: Grid) -> None:
     """Divide the nodes' momentum by their mass."""
     momentum, velocity = grid.momentum, grid.velocity
     for n in prange(len(momentum)):
-        per_mass = 1.0 / momentum[n, 3] if momentum[n, 3] > 0.0 else 0.0
-        for a in range(3):
-            velocity[n, a] = per_mass * momentum[n, a]
+        m = momentum[n, 3]
+        put(velocity, n, (1.0 / m if m > 0.0 else 0.0) * fetch(momentum, n))

@@ -12,7 +12,7 @@ from viscopoint.method import Advice, Field, Totals, history_fields, von_mises_o
 from viscopoint.mpm.contact import touch, walls_around
 from viscopoint.mpm.contacts import Contact
 from viscopoint.mpm.contacts.nodes import Nodes
-from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, forget_force, forget_momentum, lattice
+from viscopoint.mpm.grid import CHUNKS, Box, Grid, around_points, forget, lattice
 from viscopoint.mpm.points import Points, at_rest
 from viscopoint.mpm.schemes import Scheme
 from viscopoint.mpm.shapes import Shape
@@ -98,8 +98,7 @@ class MaterialPointMethod:
 
     def fresh_grid(self) -> Grid:
         """Return the grid without mass, momentum or force."""
-        forget_momentum(self.grid)
-        forget_force(self.grid)
+        forget(self.grid)
         return self.grid
 
     def contact(self, grid: Grid) -> None:

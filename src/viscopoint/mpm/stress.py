@@ -6,7 +6,7 @@ from typing import Any
 from numba import prange
 
 from viscopoint.arrays import Array
-from viscopoint.jit import kernel
+from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import increments
 from viscopoint.laws import History, hypoelastic_work, stored_energy, update_stress
 from viscopoint.mpm.grid import CHUNKS, Grid
@@ -14,8 +14,14 @@ from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import around, gradient
 from viscopoint.mpm.volumes import dilated
 from viscopoint.rows import load, store
-from viscopoint.tensors import read, trace, write
+from viscopoint.tensors import Matrix, Sym, components, read, trace, write
 from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_pressure
+from viscopoint.workspace import BLOCK, columns, keep, kept, workspace
+
+
+# what a point has in the workspace
+GRADIENT, STRESS, JACOBIAN, VISCOUS, LOSS, HYPOELASTIC, VISCOUS_LOSS, SPEED, HISTORY = columns(9, 6, 1, 1, 1, 1, 1, 1)
+SIX, NINE = (0.0,) * 6, (0.0,) * 9
 
 
 @kernel
@@ -36,40 +42,81 @@ def update_points(
     ``factors`` are the law's for this step, ``blank`` is as long as its history, ``sound`` the wave speed at J = 1
     [mm/ms] and ``volume`` one of ``mpm.volumes``.
     """
-    jacobian, viscous, critical = points.jacobian, points.viscous_pressure, grid.critical
-    dissipated, hypoelastic, viscous_loss = points.dissipated, points.hypoelastic, points.viscous_loss
-    stretch, stretches = points.stretch, len(points.stretch) > 0
-    scale, per_dt = dt * grid.per_cell, 1.0 / dt
+    order, critical, scale = grid.order, grid.critical, dt * grid.per_cell
     for slab in prange(len(grid.start) - 2):
-        fastest = 0.0
-        for q in range(grid.start[slab], grid.start[slab + 1]):
-            p = grid.order[q]
-            at = around(points, p, grid, shape)
-            moved = gradient(grid.velocity, grid, at, scale)
-            strain, turn, ratio = increments(moved)
-            strain, ratio = dilated(volume, points, p, grid, strain, ratio)
-            before, after = jacobian[p], jacobian[p] * ratio
-            earlier, memory = read(points.stress[p]), load(points.history[p], blank)
-            stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
-            jacobian[p] = after
-            if stretches:
-                stretch[p, 0] *= 1.0 + moved.xx
-                stretch[p, 1] *= 1.0 + moved.yy
-                stretch[p, 2] *= 1.0 + moved.zz
-            write(points.stress[p], stress)
-            store(points.history[p], history)
-            dissipated[p] += 0.5 * (before + after) * loss
-            hypoelastic[p] += hypoelastic_work(law, after - before, earlier, memory, stress, history)
-            # the pressure that pushed the nodes since the stress was last updated
-            viscous_loss[p] -= before * viscous[p] * trace(strain)
-            rate = trace(strain) * per_dt
-            here = sound * math.sqrt(after)
-            pressure, damping = viscous_pressure(viscosity, law.density / after, grid.cell, here, rate)
-            viscous[p] = pressure
-            v = points.velocity[p]
-            speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-            fastest = max(fastest, signal_speed(here, damping) + speed)
+        fastest, work = 0.0, workspace(blank)
+        for first in range(grid.start[slab], grid.start[slab + 1], BLOCK):
+            count = min(BLOCK, grid.start[slab + 1] - first)
+            for i in range(count):
+                p = order[first + i]
+                moved = gradient(grid.velocity, grid, around(points, p, grid, shape), scale)
+                keep(work, GRADIENT, i, moved)
+                recall(points, p, work, i, blank)
+            for i in range(count):
+                p = order[first + i]
+                strain, turn, ratio = increments(Matrix(*kept(work, GRADIENT, i, NINE)))
+                strain, ratio = dilated(volume, points, p, grid, strain, ratio)
+                answer(work, i, law, factors, blank, sound, viscosity, grid.cell, strain, turn, ratio, dt)
+            for i in range(count):
+                remember(points, order[first + i], work, i, blank)
+                fastest = max(fastest, kept(work, SPEED, i, 0.0))
         critical[slab] = grid.cell / fastest
+
+
+@inline
+def recall(points: Points, p: int, work: Any, i: int, blank: History) -> None:
+    """Take what point p has to the workspace."""
+    keep(work, STRESS, i, components(read(points.stress[p])))
+    keep(work, HISTORY, i, load(points.history[p], blank))
+    keep(work, JACOBIAN, i, points.jacobian[p])
+    keep(work, VISCOUS, i, points.viscous_pressure[p])
+    keep(work, LOSS, i, points.dissipated[p])
+    keep(work, HYPOELASTIC, i, points.hypoelastic[p])
+    keep(work, VISCOUS_LOSS, i, points.viscous_loss[p])
+    v = points.velocity[p]
+    keep(work, SPEED, i, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+@inline
+def answer(
+    work: Any, i: int, law: Any, factors: Any, blank: History, sound: float, viscosity: BulkViscosity, cell: float,
+    strain: Sym, turn: Matrix, ratio: float, dt: float,
+) -> None:  # fmt: skip
+    """Let law and bulk viscosity answer to the strain of point i of the block."""
+    earlier, memory = read(kept(work, STRESS, i, SIX)), kept(work, HISTORY, i, blank)
+    before = kept(work, JACOBIAN, i, 0.0)
+    after = before * ratio
+    stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
+    taken = hypoelastic_work(law, after - before, earlier, memory, stress, history)
+    # the pressure that pushed the nodes since the stress was last updated
+    resisted = before * kept(work, VISCOUS, i, 0.0) * trace(strain)
+    here = sound * math.sqrt(after)
+    pressure, damping = viscous_pressure(viscosity, law.density / after, cell, here, trace(strain) / dt)
+    keep(work, STRESS, i, components(stress))
+    keep(work, HISTORY, i, history)
+    keep(work, JACOBIAN, i, after)
+    keep(work, VISCOUS, i, pressure)
+    keep(work, LOSS, i, kept(work, LOSS, i, 0.0) + 0.5 * (before + after) * loss)
+    keep(work, HYPOELASTIC, i, kept(work, HYPOELASTIC, i, 0.0) + taken)
+    keep(work, VISCOUS_LOSS, i, kept(work, VISCOUS_LOSS, i, 0.0) - resisted)
+    keep(work, SPEED, i, signal_speed(here, damping) + math.sqrt(kept(work, SPEED, i, 0.0)))
+
+
+@inline
+def remember(points: Points, p: int, work: Any, i: int, blank: History) -> None:
+    """Give point p back what it has in the workspace."""
+    write(points.stress[p], read(kept(work, STRESS, i, SIX)))
+    store(points.history[p], kept(work, HISTORY, i, blank))
+    points.jacobian[p] = kept(work, JACOBIAN, i, 0.0)
+    points.viscous_pressure[p] = kept(work, VISCOUS, i, 0.0)
+    points.dissipated[p] = kept(work, LOSS, i, 0.0)
+    points.hypoelastic[p] = kept(work, HYPOELASTIC, i, 0.0)
+    points.viscous_loss[p] = kept(work, VISCOUS_LOSS, i, 0.0)
+    if len(points.stretch) > 0:
+        moved = Matrix(*kept(work, GRADIENT, i, NINE))
+        points.stretch[p, 0] *= 1.0 + moved.xx
+        points.stretch[p, 1] *= 1.0 + moved.yy
+        points.stretch[p, 2] *= 1.0 + moved.zz
 
 
 @kernel

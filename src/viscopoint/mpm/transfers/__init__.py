@@ -21,7 +21,7 @@ from viscopoint.jit import generic, inline
 from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import Support
-from viscopoint.tensors import Sym
+from viscopoint.tensors import Lanes, Sym
 
 T = TypeVar("T")
 
@@ -71,11 +71,10 @@ def take(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None
 
 
 @inline
-def carry(points: Points, p: int, velocity: tuple[float, float, float], drift: tuple[float, float, float]) -> None:
+def carry(points: Points, p: int, velocity: Lanes, drift: Lanes) -> None:
     """Store a point's velocity and the one with which it moves."""
-    for a in range(3):
-        points.velocity[p, a] = velocity[a]
-        points.drift[p, a] = drift[a]
+    points.velocity[p, 0], points.velocity[p, 1], points.velocity[p, 2] = velocity.x, velocity.y, velocity.z
+    points.drift[p, 0], points.drift[p, 1], points.drift[p, 2] = drift.x, drift.y, drift.z
 
 
 def offer(name: str) -> Callable[[type[T]], type[T]]:

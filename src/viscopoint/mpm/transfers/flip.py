@@ -14,7 +14,7 @@ from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import Support, motion, spread, spread_with_force
 from viscopoint.mpm.transfers import carry, give, give_with_force, offer, take
-from viscopoint.tensors import Sym
+from viscopoint.tensors import Lanes, Sym
 
 
 @offer("flip")
@@ -55,7 +55,4 @@ def momentum_and_force(transfer: Flip, points: Points, p: int, grid: Grid, at: S
 def gained(transfer: Flip, points: Points, p: int, grid: Grid, at: Support) -> None:
     moves, gains = motion(grid, at)
     v, pic = points.velocity[p], transfer.pic
-    vx = (1.0 - pic) * (v[0] + gains[0]) + pic * moves[0]
-    vy = (1.0 - pic) * (v[1] + gains[1]) + pic * moves[1]
-    vz = (1.0 - pic) * (v[2] + gains[2]) + pic * moves[2]
-    carry(points, p, (vx, vy, vz), moves)
+    carry(points, p, (1.0 - pic) * (Lanes(v[0], v[1], v[2], 0.0) + gains) + pic * moves, moves)

@@ -68,8 +68,8 @@ def filter_nodes(points: Points, grid: Grid, shape: Any, rest: Array, seen: Arra
                 p: int = grid.order[q]
                 m: float = points.mass[p]
                 at = around(points, p, grid, shape)
-                x, y, z = sampled(rest, grid, at)
-                spread(seen, grid, at, m * x, m * y, m * z, m)
+                back = sampled(rest, grid, at)
+                spread(seen, grid, at, m * back.x, m * back.y, m * back.z, m)
 
 
 @kernel

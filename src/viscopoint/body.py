@@ -39,6 +39,16 @@ class Body(NamedTuple):
     cells: Indices = np.empty((0, 8), np.int64)
 
 
+def reordered(body: Body, order: Indices) -> Body:
+    """Return a body of points whose row n is row ``order[n]`` of this one."""
+    place = np.empty(len(order) + 1, np.int64)
+    place[order] = np.arange(len(order))
+    place[-1] = -1  # none stays none
+    surface = body.surface
+    moved = surface._replace(ring=place[surface.ring], tail=place[surface.tail], foot=place[surface.foot])
+    return Body(body.position[order], body.volume[order], moved)
+
+
 def in_half_plane(body: Body) -> bool:
     """Return whether a body is the half section of an axisymmetric one."""
     return not body.position[:, 1].any()

@@ -12,7 +12,7 @@ import numba
 
 from viscopoint.sources import digest
 
-FORMAT = 4  # of run folders; 2: hourglass and eroded energy, cells; 3: radii at the surface; 4: hypoelastic energy
+FORMAT = 5  # of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell
 PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 
 

@@ -5,7 +5,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from viscopoint.body import Body
+from viscopoint.body import Body, reordered
 from viscopoint.inputs import Impact, MethodInput, Rod, machine_memory, one_of
 from viscopoint.laws import Law
 from viscopoint.mpm.fills import FILLS
@@ -13,7 +13,7 @@ from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.shapes import SHAPES
 from viscopoint.rules import rule
 from viscopoint.tlmpm.filling import rod_meridian, watched
-from viscopoint.tlmpm.lattice import LATTICES
+from viscopoint.tlmpm.lattice import LATTICES, cell_by_cell
 from viscopoint.tlmpm.method import Discretisation, TotalLagrangianMethod
 from viscopoint.tlmpm.volumes import VOLUMES
 from viscopoint.units import Length
@@ -47,21 +47,27 @@ class TotalLagrangianInput(MethodInput):
         return self
 
     def body(self, rod: Rod) -> Body:
-        """Return the rod's points, and those of no volume on its surface."""
+        """Return the rod's points, and those of no volume on its surface, cell by cell as kernels visit them."""
         if self.geometry == "axisymmetric":
-            return rod_meridian(rod.radius, rod.length, self.spacing, round(self.cell / self.spacing))
-        body = FILLS[self.fill](rod.radius, rod.length, self.spacing)
-        low, high = body.position[body.surface.foot[0, 0], 2], body.position[body.surface.tail[0, 0], 2]
-        return watched(body, float(low + high), self.spacing)
+            body = rod_meridian(rod.radius, rod.length, self.spacing, round(self.cell / self.spacing))
+        else:
+            filled = FILLS[self.fill](rod.radius, rod.length, self.spacing)
+            low, high = (filled.position[points[0, 0], 2] for points in (filled.surface.foot, filled.surface.tail))
+            body = watched(filled, float(low + high), self.spacing)
+        return reordered(body, cell_by_cell(body.position, self.edges(body, rod)))
+
+    def edges(self, body: Body, rod: Rod) -> tuple[float, float, float]:
+        """Return the edges of the cells [mm]."""
+        layer = np.unique(body.position[body.volume > 0.0, 2])
+        height = self.layers * float(layer[1] - layer[0])
+        across = self.cell if self.geometry == "3d" else rod.radius / max(round(rod.radius / self.cell), 1)
+        return across, across, height
 
     def build(self, rod: Rod, impact: Impact, law: Law) -> TotalLagrangianMethod:
         """Return the rod as material points on their way to the wall."""
         body = self.body(rod)
-        layer = np.unique(body.position[body.volume > 0.0, 2])
-        height = self.layers * float(layer[1] - layer[0])
-        across = self.cell if self.geometry == "3d" else rod.radius / max(round(rod.radius / self.cell), 1)
         choices = Discretisation(
-            cell=(across, across, height),
+            cell=self.edges(body, rod),
             shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
             volume=VOLUMES[self.volume],
             safety=self.safety,

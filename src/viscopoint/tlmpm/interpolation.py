@@ -2,55 +2,48 @@
 
 from typing import Any
 
-import numpy as np
-
 from viscopoint.arrays import Array
 from viscopoint.jit import inline
-from viscopoint.mpm.support import Support, gradient, pull_in
-from viscopoint.tensors import Matrix
+from viscopoint.mpm.support import gradient, pull_in, sampled_with_gradient, spread_gradient, widened
+from viscopoint.tensors import Lanes, Matrix
 from viscopoint.tlmpm.lattice import Lattice
+from viscopoint.tlmpm.points import Points
 
 
 @inline
-def reference_gradient(field: Array, lattice: Any, at: Support, scale: float) -> Matrix:
+def reference_gradient(field: Array, lattice: Any, at: Any, scale: float) -> Matrix:
     """Return ``scale`` Σ field ⊗ ∇0 N at a point."""
-    a = gradient(field, lattice, at, scale)
+    return per_length(gradient(field, lattice, at, scale), lattice)
+
+
+@inline
+def per_length(a: Matrix, lattice: Any) -> Matrix:
+    """Return a gradient per cell as one per length."""
     x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
     return Matrix(x * a.xx, y * a.xy, z * a.xz, x * a.yx, y * a.yy, z * a.yz, x * a.zx, y * a.zy, z * a.zz)
 
 
 @inline
-def mean(field: Array, lattice: Lattice, at: Support) -> tuple[float, float, float]:
-    """Return Σ N field at a point."""
-    x, y, z = 0.0, 0.0, 0.0
-    for c in range(len(at.wz)):
-        for b in range(len(at.wy)):
-            row = at.first + (np.uint64(c) * lattice.ny + np.uint64(b)) * lattice.nx
-            for a in range(len(at.wx)):
-                node = row + np.uint64(a)
-                w = at.wx[a] * at.wy[b] * at.wz[c]
-                x += w * field[node, 0]
-                y += w * field[node, 1]
-                z += w * field[node, 2]
-    return x, y, z
+def follow(points: Points, p: int, lattice: Lattice, velocity: Array, at: Any, dt: float) -> Matrix:
+    """Move point p with the nodes, x += Δt Σ N v_i, and return its change of F, Δt Σ v_i ⊗ ∇0 N."""
+    mean, x, y, z = sampled_with_gradient(velocity, lattice, at)
+    points.position[p, 0] += dt * mean.x
+    points.position[p, 1] += dt * mean.y
+    points.position[p, 2] += dt * mean.z
+    change = Matrix(
+        dt * x.x, dt * y.x, dt * z.x,
+        dt * x.y, dt * y.y, dt * z.y,
+        dt * x.z, dt * y.z, dt * z.z,
+    )  # fmt: skip
+    return per_length(widened(at, mean, dt, change), lattice)
 
 
 @inline
-def push(force: Array, lattice: Lattice, at: Support, scale: float, s: Matrix) -> None:
-    """Add ``scale`` s · ∇0 N to the nodes' force."""
-    x, y, z = scale * lattice.per_x, scale * lattice.per_y, scale * lattice.per_z
-    xx, xy, xz, yx, yy, yz = x * s.xx, y * s.xy, z * s.xz, x * s.yx, y * s.yy, z * s.yz
-    zx, zy, zz = x * s.zx, y * s.zy, z * s.zz
-    for c in range(len(at.wz)):
-        for b in range(len(at.wy)):
-            row = at.first + (np.uint64(c) * lattice.ny + np.uint64(b)) * lattice.nx
-            for a in range(len(at.wx)):
-                node = row + np.uint64(a)
-                gx = at.dx[a] * at.wy[b] * at.wz[c]
-                gy = at.wx[a] * at.dy[b] * at.wz[c]
-                gz = at.wx[a] * at.wy[b] * at.dz[c]
-                force[node, 0] += xx * gx + xy * gy + xz * gz
-                force[node, 1] += yx * gx + yy * gy + yz * gz
-                force[node, 2] += zx * gx + zy * gy + zz * gz
-                force[node, 3] += 0.0  # keeps the row one vector
-    pull_in(at, force, lattice, yy)
+def push(force: Array, lattice: Lattice, at: Any, s: Matrix) -> None:
+    """Add s · ∇0 N to the nodes' force."""
+    x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
+    spread_gradient(
+        force, lattice, at,
+        x * Lanes(s.xx, s.yx, s.zx, 0.0), y * Lanes(s.xy, s.yy, s.zy, 0.0), z * Lanes(s.xz, s.yz, s.zz, 0.0),
+    )  # fmt: skip
+    pull_in(at, force, lattice, y * s.yy)

@@ -1,6 +1,6 @@
 """The background grid of the undeformed body: bricks whose nodes are where they are for good.
 
-A plane of nodes is the body's foot. Points are sorted once into slabs of ``SLAB`` layers of cells; slabs of one colour
+A plane of nodes is the body's foot. Points are sorted once by cell, cells by slabs of ``SLAB`` layers; slabs of one colour
 (even, odd) share no node, so that threads add to nodes without atomics and every node sums its points in the same
 order, whatever the thread count.
 """
@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viscopoint.arrays import Array, Indices
+from viscopoint.errors import InputError
 from viscopoint.jit import implements, inline, serial_kernel
 from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.grid import SLAB
 from viscopoint.mpm.support import in_half_plane, in_space, placed
 from viscopoint.tlmpm.points import Points
+from viscopoint.workspace import BLOCK
 
 MARGIN = 3  # nodes beyond the outermost points: what shape functions reach, and what only extends the body
 
@@ -36,8 +38,9 @@ class Lattice(NamedTuple):
     ny: np.uint64
     velocity: Array  # [n, 4], of the nodes, mm/ms, the fourth column unused
     force: Array  # [n, 4], of the points, N, the fourth column unused
-    order: NDArray[np.uint64]  # [p], points sorted by slab
-    start: Indices  # [slabs + 1], where each slab begins in ``order``
+    order: NDArray[np.uint64]  # [p], points sorted by cell
+    cells: Indices  # [cells + 1], where each cell that has points begins in ``order``
+    start: Indices  # [slabs + 1], where each slab begins in ``cells``
 
     geometry = GEOMETRIES["3d"]
 
@@ -59,12 +62,21 @@ def around_body(
     origin: tuple[float, float, float],
     kind: type[Lattice] = Lattice,
 ) -> Lattice:
-    """Return the grid of bricks ``cell`` [mm] with a node at ``origin`` that holds all points."""
+    """Return the grid of bricks ``cell`` [mm] with a node at ``origin`` that holds all points.
+
+    Raises:
+        InputError: more points than a block share a cell.
+    """
     margin, per_cell = MARGIN * np.array(kind.geometry.extends), 1.0 / np.array(cell)
     place = (reference - origin) * per_cell
     first = margin - np.floor(place.min(axis=0))
     nx, ny, nz = (np.floor(place.max(axis=0)) + first + 1 + margin).astype(int)
-    slab = (place[:, 2] + first[2]).astype(int) // SLAB
+    row = (place + first).astype(np.int64) @ [1, nx, nx * ny]
+    order = np.argsort(row, kind="stable")
+    rows, points = np.unique(row, return_counts=True)
+    if points.max() > BLOCK:
+        raise InputError(f"method.cell: {points.max()} points share a cell, at most {BLOCK} may; take a smaller one")
+    slab = rows // (nx * ny * SLAB)
     scalars: list[float] = [float(value) for value in (*origin, *per_cell, *first)]
     return kind(
         *scalars,
@@ -72,9 +84,15 @@ def around_body(
         ny=np.uint64(ny),
         velocity=np.zeros((nx * ny * nz, 4)),
         force=np.zeros((nx * ny * nz, 4)),
-        order=np.argsort(slab, kind="stable").astype(np.uint64),
+        order=order.astype(np.uint64),
+        cells=np.concatenate([[0], np.cumsum(points)]).astype(np.int64),
         start=np.concatenate([[0], np.cumsum(np.bincount(slab))]).astype(np.int64),
     )
+
+
+def cell_by_cell(reference: Array, cell: tuple[float, float, float]) -> Indices:
+    """Return the order of points by cell, along x, then y, then z: what kernels visit together stands together."""
+    return np.lexsort(np.floor(reference / np.array(cell)).T)
 
 
 @inline
@@ -93,6 +111,15 @@ def around(points: Points, p: int, lattice: Lattice, shape: Any) -> Any:
     """Return the nodes on which point p acts."""
     radius = points.reference[p, 0] * lattice.per_x
     return placed(lattice, np.uint64(0), (shape, shape, shape), place(points, p, lattice), radius)
+
+
+@inline
+def cells_in_block(lattice: Lattice, first: int, end: int) -> int:
+    """Return the cell after the last that fits into a block together with the cells from ``first``."""
+    last = first + 1
+    while last < end and lattice.cells[last + 1] - lattice.cells[first] <= BLOCK:
+        last += 1
+    return last
 
 
 @inline

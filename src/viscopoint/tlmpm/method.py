@@ -65,7 +65,7 @@ class TotalLagrangianMethod:
     ) -> None:
         """Set up points, grid and nodes; a velocity per row is that of the nodes that ``nodes_at`` lists."""
         self.body, self.law = body, law
-        self.shape, self.volume = choices.shape, choices.volume
+        self.shape, self.volume = choices.shape, choices.volume()
         self.safety, self.viscosity = choices.safety, choices.viscosity
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
@@ -142,10 +142,10 @@ class TotalLagrangianMethod:
 
     def _answer(self, dt: float) -> None:
         points, lattice, shape, law = self.points, self.lattice, self.shape, self.law
-        factors, volume = step_factors(law, dt), self.volume.strained(points, lattice, shape, dt)
+        factors = step_factors(law, dt)
         lattice.force[:] = 0.0
         strain_points(
-            points, lattice, shape, law, factors, self.blank, self.sound, self.viscosity, volume, self.reach,
+            points, lattice, shape, law, factors, self.blank, self.sound, self.viscosity, self.volume, self.reach,
             self.critical, dt,
         )  # fmt: skip
         carry(self.extension.back, lattice.force, self.nodes.force)

@@ -68,15 +68,12 @@ def stiffen(points: Points, lattice: Lattice, shape: Any, swelling: float, shear
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
-            for q in range(lattice.start[slab], lattice.start[slab + 1]):
+            for q in range(lattice.cells[lattice.start[slab]], lattice.cells[lattice.start[slab + 1]]):
                 p = lattice.order[q]
                 at = around(points, p, lattice, shape)
                 a = reference_gradient(lattice.velocity, lattice, at, 1.0)
-                mean = swelling * (a.xx + a.yy + a.zz)
-                xy, yz, zx = (
-                    0.5 * shearing * (a.xy + a.yx), 0.5 * shearing * (a.yz + a.zy), 0.5 * shearing * (a.zx + a.xz)
-                )  # fmt: skip
-                size = float(points.volume[p])
-                push(force, lattice, at, size, Matrix(
-                    mean + shearing * a.xx, xy, zx, xy, mean + shearing * a.yy, yz, zx, yz, mean + shearing * a.zz
-                ))  # fmt: skip
+                size = points.volume[p]
+                mean, shear = size * swelling * (a.xx + a.yy + a.zz), size * shearing
+                xx, yy, zz = mean + shear * a.xx, mean + shear * a.yy, mean + shear * a.zz
+                xy, yz, zx = 0.5 * shear * (a.xy + a.yx), 0.5 * shear * (a.yz + a.zy), 0.5 * shear * (a.zx + a.xz)
+                push(force, lattice, at, Matrix(xx, xy, zx, xy, yy, yz, zx, yz, zz))

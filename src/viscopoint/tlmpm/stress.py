@@ -7,17 +7,43 @@ from numba import prange
 
 from viscopoint.arrays import Array
 from viscopoint.fem.state import CHUNKS
-from viscopoint.jit import kernel
+from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, stored_energy, update_stress
-from viscopoint.rows import load, store
-from viscopoint.tensors import determinant, deviator, read, spherical, trace, write
+from viscopoint.mpm.support import sampled
+from viscopoint.rows import load
+from viscopoint.tensors import Matrix, components, determinant, deviator, read, spherical, trace
+from viscopoint.tlmpm.block import (
+    BEFORE,
+    DEFORMATION,
+    DETERMINANT,
+    HISTORY,
+    HYPOELASTIC,
+    JACOBIAN,
+    LOSS,
+    MID_JACOBIAN,
+    NINE,
+    SIX,
+    STEP,
+    STEP_LENGTH,
+    STRAIN,
+    STRESS,
+    SWELLING,
+    TURN,
+    VISCOUS,
+    VISCOUS_LOSS,
+    VOLUME,
+    recall,
+    remember,
+    remember_deformation,
+)
 from viscopoint.tlmpm.finite import added, cofactor, on_areas, square, steepest, times_transposed
-from viscopoint.tlmpm.interpolation import mean, push, reference_gradient
-from viscopoint.tlmpm.lattice import Lattice, around
-from viscopoint.tlmpm.points import Points, deformation, keep_deformation
-from viscopoint.tlmpm.volumes import dilated
+from viscopoint.tlmpm.interpolation import follow, push
+from viscopoint.tlmpm.lattice import Lattice, around, cells_in_block
+from viscopoint.tlmpm.points import Points
+from viscopoint.tlmpm.volumes import share
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
+from viscopoint.workspace import keep, kept, workspace
 
 
 @kernel
@@ -27,59 +53,96 @@ def strain_points(
 ) -> None:  # fmt: skip
     """Take the nodes' motion over the step to F_p, J_p, σ_p and x_p, and add f_i = -Σ V_p P_p ∇0 N to the nodes.
 
-    With cof F = J F⁻ᵀ, P = J σ F⁻ᵀ = σ cof F. Where points share a dilatation, the law's J̄ is not det F: then the
-    deviator S, whose work the law counts per J̄, pulls with J̄ S F⁻ᵀ and the pressure with p cof F.
-
     ``factors`` are the law's for this step, ``blank`` is as long as its history, ``sound`` the wave speed at J = 1
     [mm/ms], ``volume`` one of ``tlmpm.volumes`` and ``reach`` as in ``tlmpm.stability``.
     """
-    position, jacobian, viscous = points.position, points.jacobian, points.viscous_pressure
-    dissipated, hypoelastic = points.dissipated, points.hypoelastic
-    viscous_loss, force = points.viscous_loss, lattice.force
-    x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
+    order, cells, velocity, force = lattice.order, lattice.cells, lattice.velocity, lattice.force
     slabs = len(lattice.start) - 1
     for colour in range(2):
         for pair in prange((slabs - colour + 1) // 2):
             slab = 2 * pair + colour
-            least = math.inf
-            for q in range(lattice.start[slab], lattice.start[slab + 1]):
-                p = lattice.order[q]
-                at = around(points, p, lattice, shape)
-                vx, vy, vz = mean(lattice.velocity, lattice, at)
-                position[p, 0] += dt * vx
-                position[p, 1] += dt * vy
-                position[p, 2] += dt * vz
-                step, before = reference_gradient(lattice.velocity, lattice, at, dt), deformation(points, p)
-                middle, now = added(before, 0.5, step), added(before, 1.0, step)
-                keep_deformation(points, p, now)
-                det_middle, det_now = determinant(middle), determinant(now)
-                if not (det_middle > 0.0 and det_now > 0.0):
-                    least = 0.0  # turned inside out: no step is short enough
-                    continue
-                strain, turn = strain_and_turn(times_transposed(1.0 / det_middle, step, cofactor(middle)))
-                swelling = trace(strain)
-                strain, after = dilated(volume, points, p, lattice, strain, det_now)
-                earlier, memory = read(points.stress[p]), load(points.history[p], blank)
-                stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
-                growth, jacobian[p] = after - jacobian[p], after
-                write(points.stress[p], stress)
-                store(points.history[p], history)
-                dissipated[p] += (after - 0.5 * growth) * loss
-                hypoelastic[p] += hypoelastic_work(law, growth, earlier, memory, stress, history)
-                areas = cofactor(now)
-                inverse = square(1.0 / det_now, areas)  # C⁻¹
-                length = 1.0 / math.sqrt(max(x * x * inverse.xx, y * y * inverse.yy, z * z * inverse.zz))
-                here, rate = sound * math.sqrt(after), trace(strain) / dt
-                pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, rate)
-                viscous_loss[p] -= 0.5 * det_middle * swelling * (viscous[p] + pressure)
-                viscous[p] = pressure
-                pull = (after / det_now) * deviator(stress) + spherical(trace(stress) / 3.0 - pressure)
-                size = float(points.volume[p])
-                push(force, lattice, at, -size, on_areas(pull, areas))
-                if size > 0.0:
-                    stable = reach / math.sqrt(steepest(inverse))
-                    least = min(least, longest_step(viscosity, stable, length, here, damping))
+            least, cell, work = math.inf, lattice.start[slab], workspace(blank)
+            while cell < lattice.start[slab + 1]:  # a block of whole cells
+                last = cells_in_block(lattice, cell, lattice.start[slab + 1])
+                first, count = cells[cell], cells[last] - cells[cell]
+                for i in range(count):
+                    p = order[first + i]
+                    keep(work, STEP, i, follow(points, p, lattice, velocity, around(points, p, lattice, shape), dt))
+                    recall(points, p, work, i, blank)
+                for i in range(count):
+                    strain(work, i)
+                share(volume, work, lattice, cell, last)
+                for i in range(count):
+                    answer(work, i, lattice, law, factors, blank, sound, viscosity, reach, dt)
+                for i in range(count):
+                    p = order[first + i]
+                    remember_deformation(points, p, work, i)
+                    if kept(work, DETERMINANT, i, 0.0) > 0.0 and kept(work, MID_JACOBIAN, i, 0.0) > 0.0:
+                        remember(points, p, work, i, blank)
+                        push(force, lattice, around(points, p, lattice, shape), Matrix(*kept(work, STEP, i, NINE)))
+                        least = min(least, kept(work, STEP_LENGTH, i, 0.0))
+                    else:
+                        least = 0.0  # turned inside out: no step is short enough
+                cell = last
             critical[slab] = least
+
+
+@inline
+def strain(work: Any, i: int) -> None:
+    """Find F at the end of the step, and strain and rotation at mid-step, of point i of the block."""
+    step, before = Matrix(*kept(work, STEP, i, NINE)), Matrix(*kept(work, DEFORMATION, i, NINE))
+    middle, now = added(before, 0.5, step), added(before, 1.0, step)
+    det_middle, det_now = determinant(middle), determinant(now)
+    increment, turn = strain_and_turn(times_transposed(1.0 / det_middle, step, cofactor(middle)))
+    keep(work, DEFORMATION, i, now)
+    keep(work, STRAIN, i, components(increment))
+    keep(work, TURN, i, turn)
+    keep(work, SWELLING, i, trace(increment))
+    keep(work, MID_JACOBIAN, i, det_middle)
+    keep(work, DETERMINANT, i, det_now)
+    keep(work, JACOBIAN, i, det_now)
+
+
+@inline
+def answer(
+    work: Any, i: int, lattice: Lattice, law: Any, factors: Any, blank: History, sound: float,
+    viscosity: BulkViscosity, reach: float, dt: float,
+) -> None:  # fmt: skip
+    """Let law and bulk viscosity answer to the strain of point i of the block.
+
+    With cof F = J F⁻ᵀ, P = J σ F⁻ᵀ = σ cof F. Where points share a dilatation, the law's J̄ is not det F: then the
+    deviator S, whose work the law counts per J̄, pulls with J̄ S F⁻ᵀ and the pressure with p cof F.
+    """
+    own = read(kept(work, STRAIN, i, SIX))
+    swelling, after, before = kept(work, SWELLING, i, 0.0), kept(work, JACOBIAN, i, 0.0), kept(work, BEFORE, i, 0.0)
+    shared = deviator(own) + spherical(swelling / 3.0)
+    turn, earlier, memory = Matrix(*kept(work, TURN, i, NINE)), read(kept(work, STRESS, i, SIX)), kept(
+        work, HISTORY, i, blank
+    )
+    stress, history, loss = update_stress(law, factors, shared, turn, after, earlier, memory)
+    keep(work, STRESS, i, components(stress))
+    keep(work, HISTORY, i, history)
+    growth = after - before
+    keep(work, LOSS, i, kept(work, LOSS, i, 0.0) + (after - 0.5 * growth) * loss)
+    taken = hypoelastic_work(law, growth, earlier, memory, stress, history)
+    keep(work, HYPOELASTIC, i, kept(work, HYPOELASTIC, i, 0.0) + taken)
+
+    now, det_now = Matrix(*kept(work, DEFORMATION, i, NINE)), kept(work, DETERMINANT, i, 0.0)
+    areas = cofactor(now)
+    inverse = square(1.0 / det_now, areas)  # C⁻¹
+    x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
+    length = 1.0 / math.sqrt(max(x * x * inverse.xx, max(y * y * inverse.yy, z * z * inverse.zz)))
+    here = sound * math.sqrt(after)
+    pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, swelling / dt)
+    resisted = 0.5 * kept(work, MID_JACOBIAN, i, 0.0) * trace(own) * (kept(work, VISCOUS, i, 0.0) + pressure)
+    keep(work, VISCOUS_LOSS, i, kept(work, VISCOUS_LOSS, i, 0.0) - resisted)
+    keep(work, VISCOUS, i, pressure)
+
+    pull = (after / det_now) * deviator(stress) + spherical(trace(stress) / 3.0 - pressure)
+    size = kept(work, VOLUME, i, 0.0)
+    keep(work, STEP, i, on_areas((-size) * pull, areas))
+    stable = longest_step(viscosity, reach / math.sqrt(steepest(inverse)), length, here, damping)
+    keep(work, STEP_LENGTH, i, stable if size > 0.0 else math.inf)
 
 
 @kernel
@@ -105,5 +168,5 @@ def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
 def watch(points: Points, lattice: Lattice, shape: Any, field: Array, found: Array) -> None:
     """Read Σ N field at each point into ``found[p, 3]``."""
     for p in prange(len(found)):
-        x, y, z = mean(field, lattice, around(points, p, lattice, shape))
-        found[p, 0], found[p, 1], found[p, 2] = x, y, z
+        mean = sampled(field, lattice, around(points, p, lattice, shape))
+        found[p, 0], found[p, 1], found[p, 2] = mean.x, mean.y, mean.z

@@ -6,89 +6,56 @@ undeformed one, and with laws whose pressure depends on J alone one pressure: no
 
 from typing import Any, NamedTuple
 
-import numpy as np
-from numba import prange
-
-from viscopoint.arrays import Array
-from viscopoint.jit import generic, implements, kernel
-from viscopoint.kinematics import strain_and_turn
-from viscopoint.tensors import Sym, determinant, deviator, spherical, trace
-from viscopoint.tlmpm.finite import added, cofactor, times_transposed
-from viscopoint.tlmpm.interpolation import reference_gradient
-from viscopoint.tlmpm.lattice import Lattice, around, cell_row
-from viscopoint.tlmpm.points import Points, deformation
-
-
-@generic
-def dilated(volume: Any, points: Points, p: int, lattice: Lattice, strain: Sym, jacobian: float) -> tuple[Sym, float]:
-    """Return the strain increment and the J at the end of the step that point p shall have.
-
-    Args:
-        volume: the choice, ``strained``.
-        points: all points.
-        p: the point.
-        lattice: where the cells are.
-        strain: the point's own strain increment.
-        jacobian: its own det F at the end of the step.
-    """
-    raise NotImplementedError
+from viscopoint.jit import generic, implements
+from viscopoint.tlmpm.block import JACOBIAN, MID_JACOBIAN, SWELLING, VOLUME
+from viscopoint.tlmpm.lattice import Lattice
+from viscopoint.workspace import keep, kept
 
 
 class Local(NamedTuple):
     """Nothing is averaged."""
 
-    @classmethod
-    def strained(cls, points: Points, lattice: Lattice, shape: Any, dt: float) -> "Local":
-        return cls()
-
-
-@implements(dilated, Local)
-def own_volume(
-    volume: Local, points: Points, p: int, lattice: Lattice, strain: Sym, jacobian: float
-) -> tuple[Sym, float]:
-    return strain, jacobian
-
 
 class CellMean(NamedTuple):
-    """Sums over the points of each cell of the undeformed body, in the row of its first node."""
-
-    sums: Array  # [n, 4], of V_p; V_p J_p and V_p J_p tr Δε_p at mid-step; V_p J_p at the end of the step [mm^3]
-
-    @classmethod
-    def strained(cls, points: Points, lattice: Lattice, shape: Any, dt: float) -> "CellMean":
-        sums = np.zeros((len(lattice.velocity), 4))
-        sum_dilatation(points, lattice, shape, dt, sums)
-        return cls(sums)
+    """Points share their cell's."""
 
 
-@kernel
-def sum_dilatation(points: Points, lattice: Lattice, shape: Any, dt: float, sums: Array) -> None:
-    """Sum volumes over each cell; no cell is in two slabs, so that threads that take whole slabs share no sum."""
-    for slab in prange(len(lattice.start) - 1):
-        for q in range(lattice.start[slab], lattice.start[slab + 1]):
-            p = lattice.order[q]
-            volume = points.volume[p]
-            if volume > 0.0:
-                at = around(points, p, lattice, shape)
-                step, before = reference_gradient(lattice.velocity, lattice, at, dt), deformation(points, p)
-                middle = added(before, 0.5, step)
-                det = determinant(middle)
-                strain, _ = strain_and_turn(times_transposed(1.0 / det, step, cofactor(middle)))
-                cell = cell_row(points, p, lattice)
-                sums[cell, 0] += volume
-                sums[cell, 1] += volume * det
-                sums[cell, 2] += volume * det * trace(strain)
-                sums[cell, 3] += volume * determinant(added(before, 1.0, step))
+@generic
+def share(volume: Any, work: Any, lattice: Lattice, first: int, last: int) -> None:
+    """Let the points of a block have the swelling tr Δε, and J at the end of the step, that they shall have.
+
+    Args:
+        volume: the choice.
+        work: the block; its points have swelling, mid-step and end J of their own.
+        lattice: where the cells are.
+        first: cell of the block's first point, in ``lattice.cells``.
+        last: the cell after that of its last point.
+    """
+    raise NotImplementedError
 
 
-@implements(dilated, CellMean)
-def shared_volume(
-    volume: CellMean, points: Points, p: int, lattice: Lattice, strain: Sym, jacobian: float
-) -> tuple[Sym, float]:
-    row = volume.sums[cell_row(points, p, lattice)]
-    if row[0] <= 0.0:  # only watched
-        return strain, jacobian
-    return deviator(strain) + spherical(row[2] / (3.0 * row[1])), row[3] / row[0]
+@implements(share, Local)
+def own(volume: Local, work: Any, lattice: Lattice, first: int, last: int) -> None:
+    pass
+
+
+@implements(share, CellMean)
+def over_cells(volume: CellMean, work: Any, lattice: Lattice, first: int, last: int) -> None:
+    start = lattice.cells[first]
+    for cell in range(first, last):
+        members = range(lattice.cells[cell] - start, lattice.cells[cell + 1] - start)
+        whole, middle, swept, now = 0.0, 0.0, 0.0, 0.0
+        for i in members:
+            part = kept(work, VOLUME, i, 0.0)
+            half = part * kept(work, MID_JACOBIAN, i, 0.0)
+            whole += part
+            middle += half
+            swept += half * kept(work, SWELLING, i, 0.0)
+            now += part * kept(work, JACOBIAN, i, 0.0)
+        if whole > 0.0:  # else only watched
+            for i in members:
+                keep(work, SWELLING, i, swept / middle)
+                keep(work, JACOBIAN, i, now / whole)
 
 
 VOLUMES: dict[str, type[Local] | type[CellMean]] = {"local": Local, "cell-mean": CellMean}

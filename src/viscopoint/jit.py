@@ -27,7 +27,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 # Fused multiply-add is the one liberty taken with IEEE arithmetic: sums keep their order, so that results do not
 # depend on the thread count. Division by zero gives inf or nan, which the guards report, not a branch at each "/".
-OPTIONS: Any = {"fastmath": {"contract"}, "error_model": "numpy"}
+OPTIONS: Any = {"fastmath": {"contract", "arcp"}, "error_model": "numpy"}
 INLINED: Any = {**OPTIONS, "forceinline": True}  # tensors stay in registers
 
 

@@ -2,10 +2,13 @@
 
 from typing import Any
 
-from numba.extending import overload
-from numba.np.unsafe.ndarray import to_fixed_tuple
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic, overload
 
 from viscopoint.arrays import Array
+from viscopoint.jit import INLINED
 
 
 def load(row: Array, blank: tuple[float, ...]) -> tuple[float, ...]:
@@ -13,31 +16,43 @@ def load(row: Array, blank: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(row[: len(blank)])
 
 
-@overload(load, strict=False)
-def _load(row: Any, blank: Any) -> Any:
-    count = len(blank)
-
-    def some(row: Any, blank: Any) -> Any:
-        return to_fixed_tuple(row, count)  # pyright: ignore[reportCallIssue]  (an intrinsic)
-
-    def none(row: Any, blank: Any) -> Any:
-        return ()
-
-    return some if count else none
-
-
 def store(row: Array, values: tuple[float, ...]) -> None:
     """Put values back into their row."""
     row[: len(values)] = values
 
 
-@overload(store, strict=False)
-def _store(row: Any, values: Any) -> Any:
-    def some(row: Any, values: Any) -> None:
-        for k in range(len(values)):
-            row[k] = values[k]
+@intrinsic
+def _load(context: Any, row: Any, blank: Any) -> Any:
+    def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        parts = [builder.load(place) for place in _places(context, builder, signature, values, len(blank))]
+        return context.make_tuple(builder, signature.return_type, parts)
 
-    def none(row: Any, values: Any) -> None:
-        pass
+    return types.UniTuple(row.dtype, len(blank))(row, blank), lower
 
-    return some if len(values) else none
+
+@intrinsic
+def _store(context: Any, row: Any, tuple_: Any) -> Any:
+    def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        parts = cgutils.unpack_tuple(builder, values[1])
+        places = _places(context, builder, signature, values, len(parts))
+        for part, kind, place in zip(parts, signature.args[1], places, strict=True):
+            builder.store(context.cast(builder, part, kind, row.dtype), place)
+        return context.get_dummy_value()
+
+    return types.none(row, tuple_), lower
+
+
+def _places(context: Any, builder: Any, signature: Any, values: Any, count: int) -> list[Any]:
+    """Return the addresses of a contiguous row's first values."""
+    row = context.make_array(signature.args[0])(context, builder, values[0])
+    return [builder.gep(row.data, [ir.Constant(ir.IntType(64), k)], inbounds=True) for k in range(count)]
+
+
+@overload(load, strict=False, jit_options=INLINED)
+def _load_row(row: Any, blank: Any) -> Any:
+    return lambda row, blank: _load(row, blank)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+
+
+@overload(store, strict=False, jit_options=INLINED)
+def _store_row(row: Any, values: Any) -> Any:
+    return lambda row, values: _store(row, values)  # pyright: ignore[reportCallIssue]

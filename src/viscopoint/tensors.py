@@ -146,6 +146,14 @@ def read_vector(row: Any) -> Vec:
 
 
 @inline
+def write_vector(row: Any, a: Vec) -> None:
+    """Store a vector in the first three values of an array row."""
+    row[0] = a.x
+    row[1] = a.y
+    row[2] = a.z
+
+
+@inline
 def total(a: Vec) -> float:
     """Return the sum of the components."""
     return a.x + a.y + a.z

@@ -17,6 +17,7 @@ from numba.extending import intrinsic, models, overload, register_model
 from viscopoint.jit import INLINED
 
 BLOCK = 64  # points
+ROW = BLOCK + 8  # numbers from one row to the next: powers of two would share few lines of the cache
 COLUMNS = 128  # numbers of a point, beside the law's history
 ALIGNMENT = 64  # bytes, a cache line
 
@@ -42,7 +43,7 @@ class _Model(models.PrimitiveModel):
 
 @intrinsic
 def _on_stack(context: Any, blank: Any) -> Any:
-    size = BLOCK * (COLUMNS + len(blank))
+    size = ROW * (COLUMNS + len(blank))
 
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         memory = cgutils.alloca_once(builder, ir.DoubleType(), size=ir.Constant(ir.IntType(64), size))
@@ -82,7 +83,7 @@ def _kept(context: Any, work: Any, column: Any, i: Any, like: Any) -> Any:
 def _place(builder: Any, values: Any, number: int) -> Any:
     """Return the address of a component of point i's quantity."""
     work, column, i = values[:3]
-    first = builder.mul(builder.add(column, ir.Constant(column.type, number)), ir.Constant(column.type, BLOCK))
+    first = builder.mul(builder.add(column, ir.Constant(column.type, number)), ir.Constant(column.type, ROW))
     return builder.gep(work, [builder.add(first, i)], inbounds=True)
 
 

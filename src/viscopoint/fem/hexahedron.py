@@ -7,7 +7,7 @@ With reference coordinates ξ, η, ζ in [-1, 1], any field that the eight corne
 The constant says nothing of strain. Three modes are linear; the other four, which a uniform strain does not see, are
 the hourglass modes. Corners are numbered as VTK does: the lower face around, then the upper one.
 
-The force that works on a mode is the sum of the corner forces with the mode's signs; ``spread`` takes an eighth of it
+The force that works on a mode is the sum of the corner forces with the mode's signs; ``corner_forces`` takes an eighth of it
 to each corner.
 """
 
@@ -25,6 +25,10 @@ GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 x 2 rule, whose points stand like t
 XI = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0])
 ETA = np.array([-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0])
 ZETA = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
+
+
+Corners = tuple[float, ...]  # 24 numbers: x, y and z at each corner
+Flat = tuple[float, ...]  # 21 numbers: x, y and z of each mode
 
 
 class Modes(NamedTuple):
@@ -70,8 +74,28 @@ class Slopes(NamedTuple):
 @inline
 def modes(values: Array, corner: Any) -> Modes:
     """Return the modes of the nodal ``values[n, 3]`` at the nodes ``corner[8]`` of an element."""
-    a, b, c, d = _row(values, corner[0]), _row(values, corner[1]), _row(values, corner[2]), _row(values, corner[3])
-    e, f, g, h = _row(values, corner[4]), _row(values, corner[5]), _row(values, corner[6]), _row(values, corner[7])
+    return modes_of(corner_values(values, corner))
+
+
+@inline
+def corner_values(values: Array, corner: Any) -> Corners:
+    """Return the nodal ``values[n, 3]`` at the nodes ``corner[8]`` of an element."""
+    a, b, c, d, e, f, g, h = (
+        corner[0], corner[1], corner[2], corner[3], corner[4], corner[5], corner[6], corner[7]
+    )  # fmt: skip
+    return (
+        values[a, 0], values[a, 1], values[a, 2], values[b, 0], values[b, 1], values[b, 2],
+        values[c, 0], values[c, 1], values[c, 2], values[d, 0], values[d, 1], values[d, 2],
+        values[e, 0], values[e, 1], values[e, 2], values[f, 0], values[f, 1], values[f, 2],
+        values[g, 0], values[g, 1], values[g, 2], values[h, 0], values[h, 1], values[h, 2],
+    )  # fmt: skip
+
+
+@inline
+def modes_of(x: Corners) -> Modes:
+    """Return the modes of a field by its corner values."""
+    a, b, c, d = Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11])
+    e, f, g, h = Vec(x[12], x[13], x[14]), Vec(x[15], x[16], x[17]), Vec(x[18], x[19], x[20]), Vec(x[21], x[22], x[23])
     ba, cd, fe, gh = b - a, c - d, f - e, g - h
     ab, dc, ef, hg = a + b, c + d, e + f, g + h
     lower, upper, lower_eta, upper_eta = ba + cd, fe + gh, cd - ba, gh - fe
@@ -88,27 +112,39 @@ def modes(values: Array, corner: Any) -> Modes:
 
 
 @inline
-def no_modes() -> Modes:
-    """Return no field at all."""
-    none = Vec(0.0, 0.0, 0.0)
-    return Modes(none, none, none, none, none, none, none)
+def flattened(field: Modes) -> Flat:
+    """Return the 21 numbers of a field."""
+    a, b, c, d, e, f, g = field
+    return (
+        a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z,
+        d.x, d.y, d.z, e.x, e.y, e.z, f.x, f.y, f.z, g.x, g.y, g.z,
+    )  # fmt: skip
 
 
 @inline
-def spread(force: Array, corner: Any, on: Modes) -> None:
-    """Add to the nodal ``force[n, 3]`` the corner forces of which ``on`` is an eighth of the forces on the modes."""
+def unflattened(x: Flat) -> Modes:
+    """Return the field of 21 numbers."""
+    return Modes(
+        Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11]),
+        Vec(x[12], x[13], x[14]), Vec(x[15], x[16], x[17]), Vec(x[18], x[19], x[20]),
+    )  # fmt: skip
+
+
+@inline
+def corner_forces(on: Modes) -> Corners:
+    """Return the forces at the corners of which ``on`` is an eighth of the forces on the modes."""
     p, q, r = on.xi - on.zeta_xi, on.eta - on.eta_zeta, on.xi_eta - on.all
     t, u, v = on.xi + on.zeta_xi, on.eta + on.eta_zeta, on.xi_eta + on.all
     along, across = p + q, p - q
-    _add(force, corner[0], r - on.zeta - along)
-    _add(force, corner[1], across - r - on.zeta)
-    _add(force, corner[2], along + r - on.zeta)
-    _add(force, corner[3], (-1.0) * (across + r) - on.zeta)
+    a, b = r - on.zeta - along, across - r - on.zeta
+    c, d = along + r - on.zeta, (-1.0) * (across + r) - on.zeta
     along, across = t + u, t - u
-    _add(force, corner[4], on.zeta + v - along)
-    _add(force, corner[5], on.zeta + across - v)
-    _add(force, corner[6], on.zeta + along + v)
-    _add(force, corner[7], on.zeta - across - v)
+    e, f = on.zeta + v - along, on.zeta + across - v
+    g, h = on.zeta + along + v, on.zeta - across - v
+    return (
+        a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z,
+        e.x, e.y, e.z, f.x, f.y, f.z, g.x, g.y, g.z, h.x, h.y, h.z,
+    )  # fmt: skip
 
 
 @inline
@@ -226,15 +262,3 @@ def stable_length(gradient: Gradient, volume: float) -> float:
     linear = product(w.xi, w.xi) + product(w.eta, w.eta) + product(w.zeta, w.zeta)
     others = product(w.eta_zeta, w.eta_zeta) + product(w.zeta_xi, w.zeta_xi) + product(w.xi_eta, w.xi_eta)
     return 2.0 * volume / math.sqrt(total(linear + others))
-
-
-@inline
-def _row(values: Array, n: Any) -> Vec:
-    return Vec(values[n, 0], values[n, 1], values[n, 2])
-
-
-@inline
-def _add(values: Array, n: Any, v: Vec) -> None:
-    values[n, 0] += v.x
-    values[n, 1] += v.y
-    values[n, 2] += v.z

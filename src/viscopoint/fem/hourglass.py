@@ -7,10 +7,9 @@ force acts on half a step before and half a step after it was found, so its work
 
 from typing import Any, NamedTuple
 
-from viscopoint.arrays import Array
 from viscopoint.fem.hexahedron import Hourglass
 from viscopoint.jit import generic, implements, inline
-from viscopoint.tensors import Matrix, Vec, applied, columns, fetch, product, put, total
+from viscopoint.tensors import Matrix, Vec, applied, columns, product, total
 
 
 class ViscousControl(NamedTuple):
@@ -92,20 +91,17 @@ def alone(force: Vec) -> Hourglass:
 
 
 @inline
-def recalled(memory: Array, element: Any) -> Hourglass:
+def recalled(memory: tuple[float, ...]) -> Hourglass:
     """Return the forces of the step before."""
-    first = 4 * element
-    return Hourglass(fetch(memory, first), fetch(memory, first + 1), fetch(memory, first + 2), fetch(memory, first + 3))
+    m = memory
+    return Hourglass(Vec(m[0], m[1], m[2]), Vec(m[3], m[4], m[5]), Vec(m[6], m[7], m[8]), Vec(m[9], m[10], m[11]))
 
 
 @inline
-def remember(memory: Array, element: Any, force: Hourglass) -> None:
-    """Keep the forces for the next step."""
-    first = 4 * element
-    put(memory, first, force.eta_zeta)
-    put(memory, first + 1, force.zeta_xi)
-    put(memory, first + 2, force.xi_eta)
-    put(memory, first + 3, force.all)
+def remembered(force: Hourglass) -> tuple[float, ...]:
+    """Return what to keep of the forces for the next step."""
+    a, b, c, d = force
+    return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z)
 
 
 @inline

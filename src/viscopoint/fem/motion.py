@@ -53,6 +53,10 @@ def kick(nodes: Nodes, n: Any, time: float, wall: RigidWall, least: float, tally
     x0, y0, z0 = nodes.velocity[n, 0], nodes.velocity[n, 1], nodes.velocity[n, 2]
     push = time / m
     x, y, z = x0 + push * nodes.force[n, 0], y0 + push * nodes.force[n, 1], z0 + push * nodes.force[n, 2]
+    stopped = z < least
+    if not (fixed or stopped):  # free: the usual case
+        nodes.velocity[n, 0], nodes.velocity[n, 1], nodes.velocity[n, 2] = x, y, z
+        return False
     vx = 0.0 if fixed & 1 else x
     vy = 0.0 if fixed & 2 else y
     vz = 0.0 if fixed & 4 else z

@@ -40,7 +40,7 @@ class Elements(NamedTuple):
     dissipated: Array  # [e, k], by the law per reference volume, mJ/mm^3
     hypoelastic: Array  # [e, k], taken by the law as volume changes under shear, per reference volume, mJ/mm^3
     viscous_loss: Array  # [e], by the bulk viscosity, mJ
-    memory: Array  # [e modes, 4], forces on the hourglass modes, N, the fourth column unused
+    memory: Array  # [e, 3 modes], forces on the hourglass modes, N
     hourglass_work: Array  # [e], taken by the hourglass control, mJ
 
 
@@ -71,7 +71,7 @@ def elements_at_rest(corner: Indices, volume: Array, history_size: int, modes: i
         dissipated=np.zeros((count, points)),
         hypoelastic=np.zeros((count, points)),
         viscous_loss=np.zeros(count),
-        memory=np.zeros((count * modes, 4)),
+        memory=np.zeros((count, 3 * modes)),
         hourglass_work=np.zeros(count),
     )
 

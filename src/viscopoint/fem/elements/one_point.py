@@ -5,29 +5,57 @@ from typing import Any, NamedTuple
 
 from numba import prange
 
+from viscopoint.fem.block import (
+    BEFORE,
+    CORNERS,
+    FLOW,
+    HISTORY,
+    HOURGLASS,
+    HYPOELASTIC,
+    JACOBIAN,
+    LOSS,
+    MEMORY,
+    MID_VOLUME,
+    PLACE,
+    REFERENCE,
+    REST_STEP,
+    SIX,
+    STEP_LENGTH,
+    STRESS,
+    TWELVE,
+    VISCOUS,
+    VISCOUS_LOSS,
+    VOLUME,
+    recall_motion,
+    recall_point,
+    remember_point,
+    remember_whole,
+    spread,
+)
 from viscopoint.fem.elements import Limits, offer
 from viscopoint.fem.hexahedron import (
     Gradient,
     Hourglass,
     Modes,
+    corner_forces,
     mean_gradient,
-    modes,
+    modes_of,
     moved,
     smallest_length,
-    spread,
     stable_length,
     volume,
     volume_gradient,
 )
-from viscopoint.fem.hourglass import recalled, remember, resist
+from viscopoint.fem.hourglass import recalled, remembered, resist
 from viscopoint.fem.mesh import Slabs
 from viscopoint.fem.state import Elements, Nodes
 from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.rows import load, store
-from viscopoint.tensors import Columns, Sym, applied, matrix, read, spherical, sym_columns, trace, write
+from viscopoint.tensors import Columns, Sym, applied, components, matrix, read, spherical, sym_columns, trace
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
+from viscopoint.workspace import BLOCK, keep, kept, workspace
 
 
 @offer("one-point")
@@ -62,66 +90,96 @@ def strain_one_point(
     hourglass: Any, sound: float, viscosity: BulkViscosity, dt: float,
 ) -> None:  # fmt: skip
     """Update J, σ, bulk viscosity and hourglass forces of each element; spread its forces to its corners."""
-    alive, jacobian, viscous = elements.alive, elements.jacobian, elements.viscous_pressure
-    dissipated, hypoelastic = elements.dissipated, elements.hypoelastic
-    viscous_loss, hourglass_work = elements.viscous_loss, elements.hourglass_work
+    alive, force, order = elements.alive, nodes.force, slabs.order
     critical, weakest = limits.critical, limits.weakest
-    count = len(slabs.start) - 1
+    total = len(slabs.start) - 1
     for colour in range(2):
-        for pair in prange((count - colour + 1) // 2):
+        for pair in prange((total - colour + 1) // 2):
             slab = 2 * pair + colour
-            least, where = math.inf, -1
-            for q in range(slabs.start[slab], slabs.start[slab + 1]):
-                e = slabs.order[q]
-                if not alive[e]:
-                    continue
-                corner = elements.corner[e]
-                place, flow = modes(nodes.position, corner), modes(nodes.velocity, corner)
-                middle = moved(place, -0.5 * dt, flow)
-                half = volume_gradient(middle)
-                mid_volume = volume(middle, half)
-                reach = volume_gradient(place)  # ∂V/∂x
-                now = volume(place, reach)
-                if not (now > 0.0 and mid_volume > 0.0):  # turned inside out
-                    alive[e] = limits.delete_below < 0.0
-                    if alive[e] and least > 0.0:
-                        least, where = 0.0, e
-                    continue
-                gradient = mean_gradient(flow, half, dt / mid_volume)
-                strain, turn = strain_and_turn(matrix(gradient))
-                before, after = jacobian[e], now / elements.volume[e, 0]
-                earlier, memory = read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
-                stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
-                write(elements.stress[e, 0], stress)
-                store(elements.history[e, 0], history)
-                jacobian[e] = after
-                dissipated[e, 0] += 0.5 * (before + after) * loss
-                hypoelastic[e, 0] += hypoelastic_work(law, after - before, earlier, memory, stress, history)
-
-                length, here = smallest_length(reach, now), sound * math.sqrt(after)
-                rate = trace(strain) / dt
-                pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, rate)
-                swept = elements.volume[e, 0] * trace(strain)
-                viscous_loss[e] -= 0.5 * swept * (before * viscous[e] + after * pressure)
-                viscous[e] = pressure
-
-                slip = unexplained(flow, dt, gradient, middle)
-                resistance = recalled(elements.memory, e)
-                force, work = resist(
-                    hourglass, resistance, slip, turn, dt, law.density * elements.volume[e, 0], here, length
-                )
-                remember(elements.memory, e, force)
-                hourglass_work[e] += work
-
-                stable = stable_length(reach, now)
-                if stable / here < limits.delete_below:
-                    alive[e] = 0
-                    continue
-                step = longest_step(viscosity, stable, length, here, damping)
-                if step < least:
-                    least, where = step, e
-                spread(nodes.force, corner, nodal(stress - spherical(pressure), force, place, reach, now))
+            least, where, work = math.inf, -1, workspace(blank)
+            for first in range(slabs.start[slab], slabs.start[slab + 1], BLOCK):
+                count = min(BLOCK, slabs.start[slab + 1] - first)
+                for i in range(count):
+                    recall(nodes, elements, order[first + i], work, i, blank)
+                for i in range(count):
+                    answer(work, i, law, factors, blank, hourglass, sound, viscosity, dt)
+                for i in range(count):
+                    e = order[first + i]
+                    if not alive[e]:
+                        continue
+                    if not (kept(work, VOLUME, i, 0.0) > 0.0 and kept(work, MID_VOLUME, i, 0.0) > 0.0):
+                        alive[e] = limits.delete_below < 0.0  # turned inside out
+                        if alive[e] and least > 0.0:
+                            least, where = 0.0, e
+                        continue
+                    remember(elements, e, work, i, blank)
+                    if kept(work, REST_STEP, i, 0.0) < limits.delete_below:
+                        alive[e] = 0
+                        continue
+                    step = kept(work, STEP_LENGTH, i, 0.0)
+                    if step < least:
+                        least, where = step, e
+                    spread(force, elements.corner[e], work, i)
             critical[slab], weakest[slab] = least, where
+
+
+@inline
+def recall(nodes: Nodes, elements: Elements, e: int, work: Any, i: int, blank: History) -> None:
+    """Take what element e has, and its corners do, to the workspace."""
+    recall_motion(nodes, elements, e, work, i)
+    recall_point(elements, e, 0, work, i, blank)
+    keep(work, REFERENCE, i, elements.volume[e, 0])
+    keep(work, MEMORY, i, load(elements.memory[e], TWELVE))
+    keep(work, HOURGLASS, i, elements.hourglass_work[e])
+
+
+@inline
+def remember(elements: Elements, e: int, work: Any, i: int, blank: History) -> None:
+    """Give element e back what it has in the workspace."""
+    remember_whole(elements, e, work, i)
+    remember_point(elements, e, 0, work, i, blank)
+    store(elements.memory[e], kept(work, MEMORY, i, TWELVE))
+    elements.hourglass_work[e] = kept(work, HOURGLASS, i, 0.0)
+
+
+@inline
+def answer(
+    work: Any, i: int, law: Any, factors: Any, blank: History, hourglass: Any, sound: float, viscosity: BulkViscosity,
+    dt: float,
+) -> None:  # fmt: skip
+    """Take the motion of the block's element i over the step to its stress and its corners' forces."""
+    place, flow = modes_of(kept(work, PLACE, i, CORNERS)), modes_of(kept(work, FLOW, i, CORNERS))
+    middle = moved(place, -0.5 * dt, flow)
+    half, reach = volume_gradient(middle), volume_gradient(place)  # ∂V/∂x
+    mid_volume, now, reference = volume(middle, half), volume(place, reach), kept(work, REFERENCE, i, 0.0)
+    gradient = mean_gradient(flow, half, dt / mid_volume)
+    strain, turn = strain_and_turn(matrix(gradient))
+    before, after = kept(work, BEFORE, i, 0.0), now / reference
+    earlier, memory = read(kept(work, STRESS, i, SIX)), kept(work, HISTORY, i, blank)
+    stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
+    taken = hypoelastic_work(law, after - before, earlier, memory, stress, history)
+
+    length, here = smallest_length(reach, now), sound * math.sqrt(after)
+    pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, trace(strain) / dt)
+    resisted = 0.5 * reference * trace(strain) * (before * kept(work, VISCOUS, i, 0.0) + after * pressure)
+    slip, resistance = unexplained(flow, dt, gradient, middle), recalled(kept(work, MEMORY, i, TWELVE))
+    force, work_done = resist(hourglass, resistance, slip, turn, dt, law.density * reference, here, length)
+    stable = stable_length(reach, now)
+
+    keep(work, VOLUME, i, now)
+    keep(work, MID_VOLUME, i, mid_volume)
+    keep(work, JACOBIAN, i, after)
+    keep(work, STRESS, i, components(stress))
+    keep(work, HISTORY, i, history)
+    keep(work, LOSS, i, kept(work, LOSS, i, 0.0) + 0.5 * (before + after) * loss)
+    keep(work, HYPOELASTIC, i, kept(work, HYPOELASTIC, i, 0.0) + taken)
+    keep(work, VISCOUS, i, pressure)
+    keep(work, VISCOUS_LOSS, i, kept(work, VISCOUS_LOSS, i, 0.0) - resisted)
+    keep(work, MEMORY, i, remembered(force))
+    keep(work, HOURGLASS, i, kept(work, HOURGLASS, i, 0.0) + work_done)
+    keep(work, REST_STEP, i, stable / here)
+    keep(work, STEP_LENGTH, i, longest_step(viscosity, stable, length, here, damping))
+    keep(work, PLACE, i, corner_forces(nodal(stress - spherical(pressure), force, place, reach, now)))
 
 
 @inline

@@ -30,7 +30,7 @@ from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.rows import load, store
-from viscopoint.tensors import Columns, Sym, Vec, applied, fetch, matrix, put, read, spherical, trace, write
+from viscopoint.tensors import Columns, Sym, Vec, applied, matrix, read, read_vector, spherical, trace, write, write_vector
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
 
 
@@ -109,10 +109,10 @@ def strain_ring_one_point(
                 # of the mode, what the mean gradient does not explain, at mid-step
                 slip = alone(dt * flow.both - applied(step_gradient, middle.both))
                 force, work = resist(
-                    hourglass, alone(fetch(elements.memory, e)), slip, turn, dt, law.density * elements.volume[e, 0],
+                    hourglass, alone(read_vector(elements.memory[e])), slip, turn, dt, law.density * elements.volume[e, 0],
                     here, length,
                 )  # fmt: skip
-                put(elements.memory, e, force.all)
+                write_vector(elements.memory[e], force.all)
                 hourglass_work[e] += work
 
                 reach, shares = ring_weights(place), corner_volumes(place)

@@ -5,6 +5,35 @@ from typing import Any, NamedTuple
 
 from numba import prange
 
+from viscopoint.fem.block import (
+    BEFORE,
+    CORNERS,
+    FLAT,
+    FLOW,
+    HISTORY,
+    HYPOELASTIC,
+    JACOBIAN,
+    LOSS,
+    MEAN,
+    ON,
+    PLACE,
+    REFERENCE,
+    REST_STEP,
+    SHARPEST,
+    SIX,
+    STEP_LENGTH,
+    STRESS,
+    SWELLING,
+    VISCOUS,
+    VISCOUS_LOSS,
+    VOLUME,
+    WHOLE,
+    recall_motion,
+    recall_point,
+    remember_point,
+    remember_whole,
+    spread,
+)
 from viscopoint.fem.elements import Limits, offer
 from viscopoint.fem.hexahedron import (
     ETA,
@@ -12,28 +41,30 @@ from viscopoint.fem.hexahedron import (
     XI,
     ZETA,
     Modes,
+    Slopes,
     areas,
+    corner_forces,
+    flattened,
     gathered,
     local_gradient,
     mean_gradient,
-    modes,
+    modes_of,
     moved,
-    no_modes,
     slopes,
     smallest_length,
-    spread,
     stable_length,
+    unflattened,
     volume,
     volume_gradient,
 )
 from viscopoint.fem.mesh import Slabs
 from viscopoint.fem.state import Elements, Nodes
-from viscopoint.jit import kernel
+from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, update_stress
-from viscopoint.rows import load, store
-from viscopoint.tensors import deviator, dot, matrix, read, spherical, sym_columns, trace, write
+from viscopoint.tensors import components, deviator, dot, matrix, read, spherical, sym_columns, trace
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
+from viscopoint.workspace import BLOCK, keep, kept, workspace
 
 
 @offer("selective")
@@ -66,78 +97,125 @@ def strain_selective(
     sound: float, viscosity: BulkViscosity, dt: float,
 ) -> None:  # fmt: skip
     """Update J and bulk viscosity of each element, σ of its points; spread its forces to its corners."""
-    alive, jacobian, viscous = elements.alive, elements.jacobian, elements.viscous_pressure
-    dissipated, hypoelastic, viscous_loss = elements.dissipated, elements.hypoelastic, elements.viscous_loss
+    alive, force, order = elements.alive, nodes.force, slabs.order
     critical, weakest = limits.critical, limits.weakest
-    count = len(slabs.start) - 1
+    total = len(slabs.start) - 1
     for colour in range(2):
-        for pair in prange((count - colour + 1) // 2):
+        for pair in prange((total - colour + 1) // 2):
             slab = 2 * pair + colour
-            least, where = math.inf, -1
-            for q in range(slabs.start[slab], slabs.start[slab + 1]):
-                e = slabs.order[q]
-                if not alive[e]:
-                    continue
-                corner = elements.corner[e]
-                place, flow = modes(nodes.position, corner), modes(nodes.velocity, corner)
-                middle = moved(place, -0.5 * dt, flow)
-                half, reach = volume_gradient(middle), volume_gradient(place)
-                now = volume(place, reach)
-                reference = 0.0
+            least, where, work = math.inf, -1, workspace(blank)
+            for first in range(slabs.start[slab], slabs.start[slab + 1], BLOCK):
+                count = min(BLOCK, slabs.start[slab + 1] - first)
+                for i in range(count):
+                    e = order[first + i]
+                    recall_motion(nodes, elements, e, work, i)
+                    keep(work, REFERENCE, i, elements.volume[e].sum())
+                for i in range(count):
+                    swell(work, i, dt)
                 for k in range(8):
-                    reference += elements.volume[e, k]
-                before, after = float(jacobian[e]), now / reference
-                growth = after - before
-                stretch = mean_gradient(flow, half, dt / volume(middle, half))
-                swelling = stretch.x.x + stretch.y.y + stretch.z.z
-                on, mean, sharpest, whole = no_modes(), 0.0, 0.0, now > 0.0
-                for k in range(8):
-                    xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
-                    mid_faces, mid_det = areas(slopes(middle, xi, eta, zeta))
-                    faces, det = areas(slopes(place, xi, eta, zeta))
-                    whole = whole and det > 0.0 and mid_det > 0.0
-                    if not whole:  # turned inside out; what the points before have taken stays in the account
-                        break
-                    gradient = local_gradient(slopes(flow, xi, eta, zeta), mid_faces, dt / mid_det)
-                    strain, turn = strain_and_turn(matrix(gradient))
-                    strain = deviator(strain) + spherical(swelling / 3.0)
-                    earlier, memory = read(elements.stress[e, k]), load(elements.history[e, k], blank)
-                    stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
-                    write(elements.stress[e, k], stress)
-                    store(elements.history[e, k], history)
-                    dissipated[e, k] += 0.5 * (before + after) * loss
-                    hypoelastic[e, k] += hypoelastic_work(law, growth, earlier, memory, stress, history)
-                    mean += det * trace(stress) / 3.0
-                    pull = -0.125 * deviator(stress)
-                    on = gathered(on, sym_columns(pull), faces, xi, eta, zeta)
-                    area = dot(faces.xi, faces.xi) + dot(faces.eta, faces.eta) + dot(faces.zeta, faces.zeta)
-                    sharpest = max(sharpest, area / det)
-                if not whole:
-                    alive[e] = limits.delete_below < 0.0
-                    if alive[e] and least > 0.0:
-                        least, where = 0.0, e
-                    continue
-                jacobian[e] = after
-                length, here = smallest_length(reach, now), sound * math.sqrt(after)
-                pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, swelling / dt)
-                viscous_loss[e] -= 0.5 * reference * swelling * (before * viscous[e] + after * pressure)
-                viscous[e] = pressure
-                # shear at eight points: 2G Σ det |ε|² <= 2G · 8 max(area/det) of the modes' squares (see stable_length)
-                stable = min(stable_length(reach, now), 2.0 * math.sqrt(now / (8.0 * sharpest)))
-                if stable / here < limits.delete_below:
-                    alive[e] = 0
-                    continue
-                step = longest_step(viscosity, stable, length, here, damping)
-                if step < least:
-                    least, where = step, e
-                mean = -0.125 * (mean / now - pressure)
-                spread(nodes.force, corner, Modes(
-                    on.xi + mean * reach.xi,
-                    on.eta + mean * reach.eta,
-                    on.zeta + mean * reach.zeta,
-                    on.eta_zeta + mean * reach.eta_zeta,
-                    on.zeta_xi + mean * reach.zeta_xi,
-                    on.xi_eta + mean * reach.xi_eta,
-                    on.all,
-                ))  # fmt: skip
+                    for i in range(count):
+                        recall_point(elements, order[first + i], k, work, i, blank)
+                    for i in range(count):
+                        answer(work, i, k, law, factors, blank, dt)
+                    for i in range(count):
+                        e = order[first + i]
+                        if alive[e] and kept(work, WHOLE, i, 0.0) > 0.0:
+                            remember_point(elements, e, k, work, i, blank)
+                for i in range(count):
+                    push(work, i, law.density, sound, viscosity, dt)
+                for i in range(count):
+                    e = order[first + i]
+                    if not alive[e]:
+                        continue
+                    if not kept(work, WHOLE, i, 0.0) > 0.0:
+                        alive[e] = limits.delete_below < 0.0  # turned inside out
+                        if alive[e] and least > 0.0:
+                            least, where = 0.0, e
+                        continue
+                    remember_whole(elements, e, work, i)
+                    if kept(work, REST_STEP, i, 0.0) < limits.delete_below:
+                        alive[e] = 0
+                        continue
+                    step = kept(work, STEP_LENGTH, i, 0.0)
+                    if step < least:
+                        least, where = step, e
+                    spread(force, elements.corner[e], work, i)
             critical[slab], weakest[slab] = least, where
+
+
+@inline
+def swell(work: Any, i: int, dt: float) -> None:
+    """Find the motion of the block's element i by modes, its volume and its mean dilatation."""
+    place, flow = modes_of(kept(work, PLACE, i, CORNERS)), modes_of(kept(work, FLOW, i, CORNERS))
+    middle = moved(place, -0.5 * dt, flow)
+    half = volume_gradient(middle)
+    now = volume(place, volume_gradient(place))
+    stretch = mean_gradient(flow, half, dt / volume(middle, half))
+    keep(work, PLACE, i, flattened(place))
+    keep(work, FLOW, i, flattened(flow))
+    keep(work, ON, i, FLAT)
+    keep(work, VOLUME, i, now)
+    keep(work, WHOLE, i, min(now, 1.0))
+    keep(work, JACOBIAN, i, now / kept(work, REFERENCE, i, 0.0))
+    keep(work, SWELLING, i, stretch.x.x + stretch.y.y + stretch.z.z)
+    keep(work, MEAN, i, 0.0)
+    keep(work, SHARPEST, i, 0.0)
+
+
+@inline
+def answer(work: Any, i: int, k: int, law: Any, factors: Any, blank: History, dt: float) -> None:
+    """Take the motion of the block's element i over the step to the stress of its point k."""
+    xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
+    place, flow = unflattened(kept(work, PLACE, i, FLAT)), unflattened(kept(work, FLOW, i, FLAT))
+    here, motion = slopes(place, xi, eta, zeta), slopes(flow, xi, eta, zeta)
+    mid_faces, mid_det = areas(Slopes(
+        here.xi - 0.5 * dt * motion.xi, here.eta - 0.5 * dt * motion.eta, here.zeta - 0.5 * dt * motion.zeta
+    ))  # fmt: skip
+    faces, det = areas(here)
+    # what the points before one that is turned inside out have taken stays in the account
+    keep(work, WHOLE, i, min(kept(work, WHOLE, i, 0.0), min(det, mid_det)))
+    strain, turn = strain_and_turn(matrix(local_gradient(motion, mid_faces, dt / mid_det)))
+    strain = deviator(strain) + spherical(kept(work, SWELLING, i, 0.0) / 3.0)
+    before, after = kept(work, BEFORE, i, 0.0), kept(work, JACOBIAN, i, 0.0)
+    earlier, memory = read(kept(work, STRESS, i, SIX)), kept(work, HISTORY, i, blank)
+    stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
+    taken = hypoelastic_work(law, after - before, earlier, memory, stress, history)
+    keep(work, STRESS, i, components(stress))
+    keep(work, HISTORY, i, history)
+    keep(work, LOSS, i, kept(work, LOSS, i, 0.0) + 0.5 * (before + after) * loss)
+    keep(work, HYPOELASTIC, i, kept(work, HYPOELASTIC, i, 0.0) + taken)
+    keep(work, MEAN, i, kept(work, MEAN, i, 0.0) + det * trace(stress) / 3.0)
+    pull = sym_columns(-0.125 * deviator(stress))
+    on = unflattened(kept(work, ON, i, FLAT))
+    keep(work, ON, i, flattened(gathered(on, pull, faces, xi, eta, zeta)))
+    area = dot(faces.xi, faces.xi) + dot(faces.eta, faces.eta) + dot(faces.zeta, faces.zeta)
+    keep(work, SHARPEST, i, max(kept(work, SHARPEST, i, 0.0), area / det))
+
+
+@inline
+def push(work: Any, i: int, density: float, sound: float, viscosity: BulkViscosity, dt: float) -> None:
+    """Find bulk viscosity, stable step and corner forces of the block's element i."""
+    place, on = unflattened(kept(work, PLACE, i, FLAT)), unflattened(kept(work, ON, i, FLAT))
+    before, after, now = kept(work, BEFORE, i, 0.0), kept(work, JACOBIAN, i, 0.0), kept(work, VOLUME, i, 0.0)
+    swelling, reach = kept(work, SWELLING, i, 0.0), volume_gradient(place)
+    length, here = smallest_length(reach, now), sound * math.sqrt(after)
+    pressure, damping = viscous_pressure(viscosity, density / after, length, here, swelling / dt)
+    resisted = before * kept(work, VISCOUS, i, 0.0) + after * pressure
+    resisted = 0.5 * kept(work, REFERENCE, i, 0.0) * swelling * resisted
+    keep(work, VISCOUS_LOSS, i, kept(work, VISCOUS_LOSS, i, 0.0) - resisted)
+    keep(work, VISCOUS, i, pressure)
+    # shear at eight points: 2G Σ det |ε|² <= 2G · 8 max(area/det) of the modes' squares (see stable_length)
+    sharpest = kept(work, SHARPEST, i, 0.0)
+    stable = min(stable_length(reach, now), 2.0 * math.sqrt(now / (8.0 * sharpest)))
+    keep(work, REST_STEP, i, stable / here)
+    keep(work, STEP_LENGTH, i, longest_step(viscosity, stable, length, here, damping))
+    mean = -0.125 * (kept(work, MEAN, i, 0.0) / now - pressure)
+    keep(work, PLACE, i, corner_forces(Modes(
+        on.xi + mean * reach.xi,
+        on.eta + mean * reach.eta,
+        on.zeta + mean * reach.zeta,
+        on.eta_zeta + mean * reach.eta_zeta,
+        on.zeta_xi + mean * reach.zeta_xi,
+        on.xi_eta + mean * reach.xi_eta,
+        on.all,
+    )))  # fmt: skip

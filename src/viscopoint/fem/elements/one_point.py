@@ -55,7 +55,7 @@ from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.rows import load, store
 from viscopoint.tensors import Columns, Sym, applied, components, matrix, read, spherical, sym_columns, trace
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
-from viscopoint.workspace import BLOCK, keep, kept, workspace
+from viscopoint.workspace import BLOCK, keep, kept, widest_vectors, workspace
 
 
 @offer("one-point")
@@ -95,6 +95,7 @@ def strain_one_point(
     total = len(slabs.start) - 1
     for colour in range(2):
         for pair in prange((total - colour + 1) // 2):
+            widest_vectors()  # pyright: ignore[reportCallIssue]  (an intrinsic)
             slab = 2 * pair + colour
             least, where, work = math.inf, -1, workspace(blank)
             for first in range(slabs.start[slab], slabs.start[slab + 1], BLOCK):

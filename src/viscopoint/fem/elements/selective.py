@@ -64,7 +64,7 @@ from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.tensors import components, deviator, dot, matrix, read, spherical, sym_columns, trace
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
-from viscopoint.workspace import BLOCK, keep, kept, workspace
+from viscopoint.workspace import BLOCK, keep, kept, widest_vectors, workspace
 
 
 @offer("selective")
@@ -102,6 +102,7 @@ def strain_selective(
     total = len(slabs.start) - 1
     for colour in range(2):
         for pair in prange((total - colour + 1) // 2):
+            widest_vectors()  # pyright: ignore[reportCallIssue]  (an intrinsic)
             slab = 2 * pair + colour
             least, where, work = math.inf, -1, workspace(blank)
             for first in range(slabs.start[slab], slabs.start[slab + 1], BLOCK):

@@ -19,8 +19,8 @@ lint: $(VENV)/.installed-dev  ## ruff and pyright
 	$(RUN)/ruff format --check .
 	$(RUN)/pyright
 
-bench: $(VENV)/.installed  ## measure speed and memory
-	$(RUN)/python benchmarks/steps.py
+bench: $(VENV)/.installed  ## measure speed, memory and start-up
+	$(RUN)/viscopoint bench --out runs/bench.json --force
 
 clean:
 	rm -rf $(VENV)

@@ -146,6 +146,49 @@ def reproduce(
 
 
 @app.command()
+def bench(
+    quick: Annotated[bool, typer.Option("--quick", help="One size, one law, fewer repeats: below a minute.")] = False,
+    threads: Annotated[
+        str | None, typer.Option(metavar="N,...", help="Numbers of threads (default: 1, 2, 4, ... and all).")
+    ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option(help="How far up: tiny (3k points), small (21k), medium (and 169k; default), large (and 1.35M)."),
+    ] = None,
+    only: Annotated[
+        str | None, typer.Option(metavar="TEXT", help='Only what has this in its name, such as "mpm quadratic".')
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Keep all figures in a file.")] = None,
+    compare: Annotated[
+        Path | None, typer.Option(metavar="OLD.json", help="Show ratios to figures that were kept.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file if it is there.")] = False,
+) -> None:
+    """Measure speed, memory and start-up on this machine: some minutes, plus compiling the first time."""
+    with _messages():
+        from viscopoint import terminal
+        from viscopoint.bench import compare as comparing
+        from viscopoint.bench import measure, planned, record, table
+
+        old = record.read(compare) if compare else None
+        plan = planned(quick, threads, size, only)
+        if out:
+            record.check_free(out, force)  # before anything takes time
+        with terminal.progress("starting") as watch:
+            made = measure(plan, watch)
+        if out:
+            record.write(made, out)
+        screen = terminal.console()
+        for shown in (*table.tables(made), *([comparing.table(old, made)] if old else [])):
+            screen.print(shown)
+            screen.print()
+        for text in (*table.notes(made), *(comparing.notes(old, made) if old else ())):
+            screen.print(text, markup=False)
+        if out:
+            screen.print(str(out), markup=False, soft_wrap=True)
+
+
+@app.command()
 def cases() -> None:
     """List the packaged cases."""
     with _messages():

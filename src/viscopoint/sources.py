@@ -4,8 +4,8 @@ import functools
 import hashlib
 from pathlib import Path
 
-# These only read run folders: neither compiled code nor results depend on them.
-READERS = ("cli.py", "terminal.py", "revolution.py", "figures", "comparison", "reproduction", "report")
+# These only read run folders, or time what others compute: neither compiled code nor results depend on them.
+READERS = ("cli.py", "terminal.py", "revolution.py", "figures", "comparison", "reproduction", "report", "bench")
 
 
 @functools.cache

@@ -117,12 +117,12 @@ def _scale_vector(k: float, a: Vec) -> Vec:
     return Vec(k * a.x, k * a.y, k * a.z)
 
 
-def fetch(rows: Any, n: int) -> Lanes:
+def fetch(rows: Any, n: Any) -> Lanes:
     """Read row n of ``rows[n, 4]``."""
     return Lanes(*rows[n])
 
 
-def put(rows: Any, n: int, a: Lanes) -> None:
+def put(rows: Any, n: Any, a: Lanes) -> None:
     """Store a row of ``rows[n, 4]``."""
     rows[n] = a.x, a.y, a.z, a.w
 

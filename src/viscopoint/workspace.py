@@ -71,8 +71,8 @@ def widest_vectors(context: Any) -> Any:
 @intrinsic
 def _keep(context: Any, work: Any, column: Any, i: Any, value: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        kind = signature.args[3]
-        several = isinstance(kind, types.BaseTuple)
+        kind: Any = signature.args[3]
+        several = hasattr(kind, "__len__")
         parts = cgutils.unpack_tuple(builder, values[3]) if several else [values[3]]
         kinds = list(kind) if several else [kind]
         for number, (part, part_kind) in enumerate(zip(parts, kinds, strict=True)):

@@ -28,7 +28,7 @@ from scipy.spatial.transform import Rotation
 from viscopoint.body import Body
 from viscopoint.fem.elements import Element
 from viscopoint.fem.elements.one_point import OnePoint
-from viscopoint.fem.hexahedron import ETA, XI, ZETA, Modes, modes, spread, volume, volume_gradient
+from viscopoint.fem.hexahedron import ETA, XI, ZETA, Modes, corner_forces, modes, volume, volume_gradient
 from viscopoint.fem.hourglass import StiffnessControl, ViscousControl
 from viscopoint.fem.mesh import FACES
 from viscopoint.fem.method import FiniteElementMethod
@@ -151,6 +151,10 @@ def test_free_flight_changes_nothing(element: Element) -> None:
 # --- geometry ---
 
 
+def at_corners(on: Modes) -> Array:
+    return np.array(corner_forces(on)).reshape(8, 3)
+
+
 def hexahedron() -> Array:
     """Return a cube of 2 mm, every corner moved at random by up to 0.4 mm."""
     return np.column_stack([XI, ETA, ZETA]) + np.random.default_rng(5).uniform(-0.4, 0.4, (8, 3))
@@ -173,10 +177,10 @@ def test_volume_is_that_within_the_bilinear_faces() -> None:
 
 
 def test_volume_gradient_is_the_change_of_volume() -> None:
-    corner, found = hexahedron(), np.zeros((8, 3))
+    corner = hexahedron()
     gradient = volume_gradient(modes(corner, range(8)))
     # ∂V/∂x_n = Σ ∂V/∂x_m s_m(n) / 8, the field whose modes are an eighth of those
-    spread(found, range(8), Modes(*[0.125 * v for v in gradient], all=Vec(0.0, 0.0, 0.0)))
+    found = at_corners(Modes(*[0.125 * v for v in gradient], all=Vec(0.0, 0.0, 0.0)))
     for n in range(8):
         for axis in range(3):
             other = corner.copy()
@@ -186,8 +190,8 @@ def test_volume_gradient_is_the_change_of_volume() -> None:
 
 
 def test_modes_and_their_mean_give_the_corner_values_back() -> None:
-    values, found = hexahedron(), np.zeros((8, 3))
-    spread(found, range(8), modes(values, range(8)))
+    values = hexahedron()
+    found = at_corners(modes(values, range(8)))
     assert_allclose(found + values.mean(axis=0), values, rtol=0, atol=ROUNDING)
 
 

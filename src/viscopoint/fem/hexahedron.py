@@ -7,8 +7,8 @@ With reference coordinates ξ, η, ζ in [-1, 1], any field that the eight corne
 The constant says nothing of strain. Three modes are linear; the other four, which a uniform strain does not see, are
 the hourglass modes. Corners are numbered as VTK does: the lower face around, then the upper one.
 
-The force that works on a mode is the sum of the corner forces with the mode's signs; ``corner_forces`` takes an eighth of it
-to each corner.
+The force that works on a mode is the sum of the corner forces with the mode's signs; ``corner_forces`` takes an
+eighth of it to each corner.
 """
 
 import math

@@ -46,7 +46,7 @@ def leverage(weights: Weights) -> Weights:
     """Return N (x_i - x_p) along one axis, in cells."""
     place, turning = middle(weights), weights
     for a in range(len(weights)):
-        turning = tuple_setitem(turning, a, weights[a] * (a - place))
+        turning = tuple_setitem(turning, a, weights[a] * (a - place))  # pyright: ignore[reportCallIssue]
     return turning
 
 

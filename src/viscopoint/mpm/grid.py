@@ -1,8 +1,6 @@
 """The background grid: nodes of cubic cells, allocated only around the body, and the points sorted into slabs.
 
-A slab is ``SLAB`` layers of cells along z. Slabs of one colour (even, odd) share no node, so that threads add to them
-without atomics and every node sums its points in the same order, whatever the thread count. Slabs and cells are counted
-from the grid's fixed origin: where memory begins changes no result.
+Slabs (see ``slabs``) and cells are counted from the grid's fixed origin: where memory begins changes no result.
 """
 
 from typing import NamedTuple
@@ -11,13 +9,12 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array
-from viscopoint.jit import kernel
+from viscopoint.arrays import Array, Indices
+from viscopoint.jit import kernel, serial_kernel
 from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.points import Points
 from viscopoint.tensors import fetch, no_lanes, put
 
-SLAB = 3  # layers of cells; their points may act on twice as many nodes along z, all told
 CHUNKS = 64  # pieces of the point list that are sorted independently
 
 
@@ -49,9 +46,15 @@ class Grid(NamedTuple):
     momentum: Array  # [n, 4], (mv)_i and m_i
     velocity: Array  # [n, 4], v_i
     change: Array  # [n, 4], f_i until the nodes are accelerated, then the change of v_i
+    spare: Array  # [k, n, 4], for those choices that sum something else over nodes or cells
+    layers: int  # of cells in a slab; their points act on twice as many layers of nodes at most
     order: NDArray[np.uint64]  # [p], points sorted by slab, those outside the box last
-    start: NDArray[np.int64]  # [slabs + 2], where each slab, then what is outside, begins; and the end
+    start: Indices  # [slabs + 2], where each slab, then what is outside, begins; and the end
     critical: Array  # [slabs], least stable step of each, ms
+    slab: NDArray[np.int32]  # [p], of each point
+    share: Indices  # [CHUNKS, slabs + 1], points of each chunk in each slab, then where in ``order`` they go
+    least: Array  # [CHUNKS, 3], least coordinates of each chunk's points, mm
+    most: Array  # [CHUNKS, 3]
 
     geometry = GEOMETRIES["3d"]
 
@@ -65,33 +68,32 @@ class HalfPlane(Grid):
 GRIDS: dict[str, type[Grid]] = {"3d": Grid, "axisymmetric": HalfPlane}
 
 
-def lattice(box: Box, cell: float, points: int, overhang: int, kind: type[Grid] = Grid) -> Grid:
-    """Return a grid that starts ``overhang`` cells before the box's lowest corner, as yet without nodes."""
+def lattice(box: Box, cell: float, points: int, overhang: int, kind: type[Grid] = Grid, spares: int = 0) -> Grid:
+    """Return a grid, as yet without nodes, with ``spares`` spare arrays of them.
+
+    Points act on nodes up to ``overhang`` cells before and behind their own cell.
+    """
     extends = kind.geometry.extends
     x0, y0, z0 = (low - overhang * there * cell for low, there in zip(box.low, extends, strict=True))
-    layers = int(np.ceil((box.high[2] - z0) / cell - 1e-9))
-    slabs = -(-layers // SLAB)
+    layers = 1 + 2 * overhang
+    slabs = -(-int(np.ceil((box.high[2] - z0) / cell - 1e-9)) // layers)
     nodes = np.zeros((0, 4))
     zero = np.uint64(0)
     return kind(
         x0, y0, z0, cell, 1.0 / cell, 0, 0, 0, zero, zero, zero, zero, nodes, nodes, nodes,
+        spare=np.zeros((spares, 0, 4)), layers=layers,
         order=np.zeros(points, np.uint64), start=np.zeros(slabs + 2, np.int64), critical=np.full(slabs, np.inf),
+        slab=np.zeros(points, np.int32), share=np.zeros((CHUNKS, slabs + 1), np.int64),
+        least=np.zeros((CHUNKS, 3)), most=np.zeros((CHUNKS, 3)),
     )  # fmt: skip
 
 
 def around_points(grid: Grid, points: Points, box: Box) -> Grid:
     """Sort the points into slabs and return a grid whose window holds all nodes they act on."""
-    slabs = len(grid.critical)
-    slab = np.empty(len(grid.order), np.int32)
-    count = np.zeros((CHUNKS, slabs + 1), np.int64)
-    least = np.full((CHUNKS, 3), np.inf)
-    most = np.full((CHUNKS, 3), -np.inf)
-    find_slabs(points.position, grid, box.low, box.high, slab, count, least, most)
-    offset = np.cumsum(count.T).reshape(slabs + 1, CHUNKS).T - count
-    grid.start[:-1] = offset[0]
-    grid.start[-1] = len(slab)
-    sort_by_slab(slab, offset, grid.order)
-    return _fitted(grid, least.min(axis=0), most.max(axis=0))
+    find_slabs(points.position, grid, box.low, box.high)
+    find_places(grid)
+    sort_by_slab(grid)
+    return _fitted(grid, grid.least.min(axis=0), grid.most.max(axis=0))
 
 
 def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
@@ -109,26 +111,27 @@ def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
     first = np.maximum(low - 2 * margin, 0)
     nx, ny, nz = (int(n) for n in high + 2 * margin + 1 - first)
     nodes = [np.zeros((nx * ny * nz, 4)) for _ in range(3)]
+    spare = np.zeros((len(grid.spare), nx * ny * nz, 4))
     i0, j0, k0 = (int(index) for index in first)
     shift = (k0 * ny + j0) * nx + i0
     return grid._replace(
         i0=i0, j0=j0, k0=k0,
         nx=np.uint64(nx), ny=np.uint64(ny), nz=np.uint64(nz), shift=np.uint64(shift),
-        momentum=nodes[0], velocity=nodes[1], change=nodes[2],
+        momentum=nodes[0], velocity=nodes[1], change=nodes[2], spare=spare,
     )  # fmt: skip
 
 
 @kernel
-def find_slabs(
-    position: Array, grid: Grid, low: tuple[float, ...], high: tuple[float, ...],
-    slab: NDArray[np.int32], count: NDArray[np.int64], least: Array, most: Array,
-) -> None:  # fmt: skip
+def find_slabs(position: Array, grid: Grid, low: tuple[float, ...], high: tuple[float, ...]) -> None:
     """Find each point's slab, how many points each chunk has in each slab, and between which coordinates they are."""
-    total = len(position)
-    outside = count.shape[1] - 1
+    slab, share, least, most = grid.slab, grid.share, grid.least, grid.most
+    total, layers = len(position), grid.layers
+    outside = share.shape[1] - 1
     for chunk in prange(CHUNKS):
-        x0, y0, z0 = least[chunk]
-        x1, y1, z1 = most[chunk]
+        x0 = y0 = z0 = np.inf
+        x1 = y1 = z1 = -np.inf
+        for s in range(outside + 1):
+            share[chunk, s] = 0
         present, run = outside, 0  # neighbours in the list mostly share a slab: counted in a register
         for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
             x, y, z = position[p, 0], position[p, 1], position[p, 2]
@@ -138,51 +141,57 @@ def find_slabs(
                 x0, x1 = min(x0, x), max(x1, x)
                 y0, y1 = min(y0, y), max(y1, y)
                 z0, z1 = min(z0, z), max(z1, z)
-                mine = int((z - grid.z0) * grid.per_cell) // SLAB
+                layer = int((z - grid.z0) * grid.per_cell)
+                mine = layer if layers == 1 else layer // layers
             slab[p] = mine
             if mine != present:
-                count[chunk, present] += run
+                share[chunk, present] += run
                 present, run = mine, 0
             run += 1
-        count[chunk, present] += run
+        share[chunk, present] += run
         least[chunk, 0], least[chunk, 1], least[chunk, 2] = x0, y0, z0
         most[chunk, 0], most[chunk, 1], most[chunk, 2] = x1, y1, z1
 
 
+@serial_kernel
+def find_places(grid: Grid) -> None:
+    """Find where each slab begins in the order, and where in it each chunk's points go."""
+    start, share = grid.start, grid.share
+    place = 0
+    for slab in range(share.shape[1]):
+        start[slab] = place
+        for chunk in range(CHUNKS):
+            points = share[chunk, slab]
+            share[chunk, slab] = place
+            place += points
+    start[-1] = place
+
+
 @kernel
-def sort_by_slab(slab: NDArray[np.int32], offset: NDArray[np.int64], order: NDArray[np.uint64]) -> None:
-    """List the points by slab; ``offset[chunk, slab]`` says where each chunk's points go."""
+def sort_by_slab(grid: Grid) -> None:
+    """List the points by slab."""
+    slab, place, order = grid.slab, grid.share, grid.order
     total = len(slab)
     for chunk in prange(CHUNKS):
         first, last = chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS
         if first == last:
             continue
         present = slab[first]
-        place = offset[chunk, present]
+        next_place = place[chunk, present]
         for p in range(first, last):
             if slab[p] != present:
-                offset[chunk, present] = place
+                place[chunk, present] = next_place
                 present = slab[p]
-                place = offset[chunk, present]
-            order[place] = p
-            place += 1
+                next_place = place[chunk, present]
+            order[next_place] = p
+            next_place += 1
 
 
 @kernel
-def forget(grid: Grid) -> None:
-    """Set the nodes' mass, momentum and force to zero."""
-    momentum, force = grid.momentum, grid.change
-    for n in prange(len(momentum)):
-        put(momentum, n, no_lanes())
-        put(force, n, no_lanes())
-
-
-@kernel
-def forget_momentum(grid: Grid) -> None:
-    """Set the nodes' mass and momentum to zero."""
-    momentum = grid.momentum
-    for n in prange(len(momentum)):
-        put(momentum, n, no_lanes())
+def forget(field: Array) -> None:
+    """Set a field of the nodes to zero."""
+    for n in prange(len(field)):
+        put(field, n, no_lanes())
 
 
 def accelerate(grid: Grid, dt: float) -> None:

@@ -10,42 +10,45 @@ from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import around
 from viscopoint.mpm.transfers import give, give_with_force, take
 from viscopoint.mpm.volumes import pull
+from viscopoint.slabs import COLOURS, PARTS, part_of
 
 
 @kernel
 def scatter_momentum_and_force(points: Points, grid: Grid, shape: Any, volume: Any, transfer: Any) -> None:
     """Map m_i = Σ N m_p, (mv)_i = Σ N m_p v_p (and what else the transfer brings) and f_i = -Σ V_p σ_p ∇N."""
-    slabs = len(grid.start) - 2
-    for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
-            slab = 2 * pair + colour
-            for q in range(grid.start[slab], grid.start[slab + 1]):
-                p: int = grid.order[q]
-                at = around(points, p, grid, shape)
-                stress = pull(volume, points, p, grid)
-                size = points.jacobian[p] * points.volume[p]
-                give_with_force(transfer, points, p, grid, at, (-size * grid.per_cell) * stress)
+    start, slabs = grid.start, len(grid.start) - 2
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
+            for slab in part_of(start, slabs, part, colour, COLOURS):
+                for q in range(start[slab], start[slab + 1]):
+                    p: int = grid.order[q]
+                    at = around(points, p, grid, shape)
+                    stress = pull(volume, points, p, grid)
+                    size = points.jacobian[p] * points.volume[p]
+                    give_with_force(transfer, points, p, grid, at, (-size * grid.per_cell) * stress)
 
 
 @kernel
 def scatter_momentum(points: Points, grid: Grid, shape: Any, transfer: Any) -> None:
     """Map m_i = Σ N m_p and (mv)_i = Σ N m_p v_p, and what else the transfer brings."""
-    slabs = len(grid.start) - 2
-    for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
-            slab = 2 * pair + colour
-            for q in range(grid.start[slab], grid.start[slab + 1]):
-                p: int = grid.order[q]
-                give(transfer, points, p, grid, around(points, p, grid, shape))
+    start, slabs = grid.start, len(grid.start) - 2
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
+            for slab in part_of(start, slabs, part, colour, COLOURS):
+                for q in range(start[slab], start[slab + 1]):
+                    p: int = grid.order[q]
+                    give(transfer, points, p, grid, around(points, p, grid, shape))
 
 
 @kernel
 def gather_velocity(points: Points, grid: Grid, shape: Any, transfer: Any) -> None:
     """Change the points' velocity by the nodes' motion."""
-    for slab in prange(len(grid.start) - 2):
-        for q in range(grid.start[slab], grid.start[slab + 1]):
-            p: int = grid.order[q]
-            take(transfer, points, p, grid, around(points, p, grid, shape))
+    start, slabs = grid.start, len(grid.start) - 2
+    for part in prange(PARTS):
+        for slab in part_of(start, slabs, part):
+            for q in range(start[slab], start[slab + 1]):
+                p: int = grid.order[q]
+                take(transfer, points, p, grid, around(points, p, grid, shape))
 
 
 @kernel
@@ -54,15 +57,15 @@ def gather_velocity_and_remap(points: Points, grid: Grid, shape: Any, transfer: 
 
     Both in one visit to each point: the nodes' velocities are read, their momenta are written.
     """
-    slabs = len(grid.start) - 2
-    for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
-            slab = 2 * pair + colour
-            for q in range(grid.start[slab], grid.start[slab + 1]):
-                p: int = grid.order[q]
-                at = around(points, p, grid, shape)
-                take(transfer, points, p, grid, at)
-                give(transfer, points, p, grid, at)
+    start, slabs = grid.start, len(grid.start) - 2
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
+            for slab in part_of(start, slabs, part, colour, COLOURS):
+                for q in range(start[slab], start[slab + 1]):
+                    p: int = grid.order[q]
+                    at = around(points, p, grid, shape)
+                    take(transfer, points, p, grid, at)
+                    give(transfer, points, p, grid, at)
 
 
 @kernel

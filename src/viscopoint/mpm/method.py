@@ -63,7 +63,8 @@ class MaterialPointMethod:
         if choices.shape.stretches or choices.contact.stretches:
             self.points = self.points._replace(stretch=np.ones((len(body.position), 3)))
         overhang = choices.shape.overhang
-        self.grid: Grid = lattice(choices.box, choices.cell, len(body.position), overhang, choices.grid)
+        spares = max(choices.transfer.spares, choices.volume.spares, choices.contact.spares)
+        self.grid: Grid = lattice(choices.box, choices.cell, len(body.position), overhang, choices.grid, spares)
         fastest = float(np.linalg.norm(self.points.velocity, axis=1).max())
         self.grid.critical[:] = choices.cell / (signal_speed(self.sound, 0.0) + fastest)
         self.tally = np.zeros(TALLY)  # of all boundaries, since the start
@@ -98,7 +99,8 @@ class MaterialPointMethod:
 
     def fresh_grid(self) -> Grid:
         """Return the grid without mass, momentum or force."""
-        forget(self.grid)
+        forget(self.grid.momentum)
+        forget(self.grid.change)
         return self.grid
 
     def contact(self, grid: Grid) -> None:

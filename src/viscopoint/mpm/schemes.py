@@ -7,7 +7,7 @@ uses the weights of its beginning; the points move last.
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from viscopoint.mpm.grid import accelerate, average, forget_momentum
+from viscopoint.mpm.grid import accelerate, average, forget
 from viscopoint.mpm.mapping import (
     gather_velocity,
     gather_velocity_and_remap,
@@ -42,7 +42,7 @@ def musl(mpm: "MaterialPointMethod", dt: float) -> None:
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
     transfer.correct(points, grid, shape)  # v_i, if the transfer knows better
     mpm.contact(grid)  # v_n >= 0 on the wall
-    forget_momentum(grid)
+    forget(grid.momentum)
     gather_velocity_and_remap(points, grid, shape, transfer)  # v_p, then (mv)_i of the accelerated points
     average(grid)  # v_i
     mpm.hold(grid)

@@ -14,10 +14,10 @@ from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import around, gradient
 from viscopoint.mpm.volumes import dilated
 from viscopoint.rows import load, store
+from viscopoint.slabs import PARTS, part_of
 from viscopoint.tensors import Matrix, Sym, components, read, trace, write
 from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_pressure
 from viscopoint.workspace import BLOCK, columns, keep, kept, workspace
-
 
 # what a point has in the workspace
 GRADIENT, STRESS, JACOBIAN, VISCOUS, LOSS, HYPOELASTIC, VISCOUS_LOSS, SPEED, HISTORY = columns(9, 6, 1, 1, 1, 1, 1, 1)
@@ -43,24 +43,26 @@ def update_points(
     [mm/ms] and ``volume`` one of ``mpm.volumes``.
     """
     order, critical, scale = grid.order, grid.critical, dt * grid.per_cell
-    for slab in prange(len(grid.start) - 2):
-        fastest, work = 0.0, workspace(blank)
-        for first in range(grid.start[slab], grid.start[slab + 1], BLOCK):
-            count = min(BLOCK, grid.start[slab + 1] - first)
-            for i in range(count):
-                p = order[first + i]
-                moved = gradient(grid.velocity, grid, around(points, p, grid, shape), scale)
-                keep(work, GRADIENT, i, moved)
-                recall(points, p, work, i, blank)
-            for i in range(count):
-                p = order[first + i]
-                strain, turn, ratio = increments(Matrix(*kept(work, GRADIENT, i, NINE)))
-                strain, ratio = dilated(volume, points, p, grid, strain, ratio)
-                answer(work, i, law, factors, blank, sound, viscosity, grid.cell, strain, turn, ratio, dt)
-            for i in range(count):
-                remember(points, order[first + i], work, i, blank)
-                fastest = max(fastest, kept(work, SPEED, i, 0.0))
-        critical[slab] = grid.cell / fastest
+    start, slabs = grid.start, len(grid.start) - 2
+    for part in prange(PARTS):
+        for slab in part_of(start, slabs, part):
+            fastest, work = 0.0, workspace(blank)
+            for first in range(start[slab], start[slab + 1], BLOCK):
+                count = min(BLOCK, start[slab + 1] - first)
+                for i in range(count):
+                    p: int = order[first + i]
+                    moved = gradient(grid.velocity, grid, around(points, p, grid, shape), scale)
+                    keep(work, GRADIENT, i, moved)
+                    recall(points, p, work, i, blank)
+                for i in range(count):
+                    p: int = order[first + i]
+                    strain, turn, ratio = increments(Matrix(*kept(work, GRADIENT, i, NINE)))
+                    strain, ratio = dilated(volume, points, p, grid, strain, ratio)
+                    answer(work, i, law, factors, blank, sound, viscosity, grid.cell, strain, turn, ratio, dt)
+                for i in range(count):
+                    remember(points, order[first + i], work, i, blank)
+                    fastest = max(fastest, kept(work, SPEED, i, 0.0))
+            critical[slab] = grid.cell / fastest
 
 
 @inline

@@ -126,14 +126,15 @@ def spread_with_force(grid: Grid, at: Any, x: float, y: float, z: float, m: floa
     momentum, force, value = grid.momentum, grid.change, Lanes(x, y, z, m)
     sx, sy, sz = Lanes(s.xx, s.xy, s.zx, 0.0), Lanes(s.xy, s.yy, s.yz, 0.0), Lanes(s.zx, s.yz, s.zz, 0.0)
     for c in range(len(at.wz)):
-        layer, along_x, along_y, along_z = pick(at.wz, c) * value, pick(at.wz, c) * sx, pick(at.wz, c) * sy, pick(at.dz, c) * sz
+        wz, dz = pick(at.wz, c), pick(at.dz, c)
+        layer, along_x, along_y, along_z = wz * value, wz * sx, wz * sy, dz * sz
         for b in range(len(at.wy)):
-            line, row = pick(at.wy, b) * layer, node_row(grid, at, b, c)
-            slope, rest = pick(at.wy, b) * along_x, pick(at.dy, b) * along_y + pick(at.wy, b) * along_z
+            wy, dy, row = pick(at.wy, b), pick(at.dy, b), node_row(grid, at, b, c)
+            line, slope, rest = wy * layer, wy * along_x, dy * along_y + wy * along_z
             for a in range(len(at.wx)):
-                node = row + np.uint64(a)
-                put(momentum, node, fetch(momentum, node) + pick(at.wx, a) * line)
-                put(force, node, fetch(force, node) + (pick(at.dx, a) * slope + pick(at.wx, a) * rest))
+                node, wx, dx = row + np.uint64(a), pick(at.wx, a), pick(at.dx, a)
+                put(momentum, node, fetch(momentum, node) + wx * line)
+                put(force, node, fetch(force, node) + (dx * slope + wx * rest))
     pull_in(at, force, grid, s.yy)
 
 
@@ -141,12 +142,14 @@ def spread_with_force(grid: Grid, at: Any, x: float, y: float, z: float, m: floa
 def spread_gradient(field: Array, grid: Any, at: Any, x: Lanes, y: Lanes, z: Lanes) -> None:
     """Add x ∂N/∂x + y ∂N/∂y + z ∂N/∂z (per cell) to the nodes."""
     for c in range(len(at.wz)):
-        along_x, along_y, along_z = pick(at.wz, c) * x, pick(at.wz, c) * y, pick(at.dz, c) * z
+        wz, dz = pick(at.wz, c), pick(at.dz, c)
+        along_x, along_y, along_z = wz * x, wz * y, dz * z
         for b in range(len(at.wy)):
-            slope, rest, row = pick(at.wy, b) * along_x, pick(at.dy, b) * along_y + pick(at.wy, b) * along_z, node_row(grid, at, b, c)
+            wy, dy, row = pick(at.wy, b), pick(at.dy, b), node_row(grid, at, b, c)
+            slope, rest = wy * along_x, dy * along_y + wy * along_z
             for a in range(len(at.wx)):
-                node = row + np.uint64(a)
-                put(field, node, fetch(field, node) + (pick(at.dx, a) * slope + pick(at.wx, a) * rest))
+                node, wx, dx = row + np.uint64(a), pick(at.wx, a), pick(at.dx, a)
+                put(field, node, fetch(field, node) + (dx * slope + wx * rest))
 
 
 @inline
@@ -169,18 +172,17 @@ def sampled_with_gradient(field: Array, grid: Any, at: Any) -> tuple[Lanes, Lane
     """Return Σ N field and Σ field ∂N/∂x, /∂y and /∂z (per cell) at a point."""
     mean = along_x = along_y = along_z = no_lanes()
     for c in range(len(at.wz)):
+        wz, dz = pick(at.wz, c), pick(at.dz, c)
         layer = layer_x = layer_y = no_lanes()
         for b in range(len(at.wy)):
+            wy, dy, row = pick(at.wy, b), pick(at.dy, b), node_row(grid, at, b, c)
             line = line_x = no_lanes()
-            row = node_row(grid, at, b, c)
             for a in range(len(at.wx)):
                 value = fetch(field, row + np.uint64(a))
-                line = line + pick(at.wx, a) * value
-                line_x = line_x + pick(at.dx, a) * value
-            layer, layer_x = layer + pick(at.wy, b) * line, layer_x + pick(at.wy, b) * line_x
-            layer_y = layer_y + pick(at.dy, b) * line
-        mean, along_x = mean + pick(at.wz, c) * layer, along_x + pick(at.wz, c) * layer_x
-        along_y, along_z = along_y + pick(at.wz, c) * layer_y, along_z + pick(at.dz, c) * layer
+                line, line_x = line + pick(at.wx, a) * value, line_x + pick(at.dx, a) * value
+            layer, layer_x, layer_y = layer + wy * line, layer_x + wy * line_x, layer_y + dy * line
+        mean, along_x = mean + wz * layer, along_x + wz * layer_x
+        along_y, along_z = along_y + wz * layer_y, along_z + dz * layer
     return mean, along_x, along_y, along_z
 
 
@@ -193,13 +195,13 @@ def motion(grid: Grid, at: Any) -> tuple[Lanes, Lanes]:
         layer = layer_gains = no_lanes()
         for b in range(len(at.wy)):
             line = line_gains = no_lanes()
-            row = node_row(grid, at, b, c)
+            wy, row = pick(at.wy, b), node_row(grid, at, b, c)
             for a in range(len(at.wx)):
-                node = row + np.uint64(a)
-                line = line + pick(at.wx, a) * fetch(velocity, node)
-                line_gains = line_gains + pick(at.wx, a) * fetch(change, node)
-            layer, layer_gains = layer + pick(at.wy, b) * line, layer_gains + pick(at.wy, b) * line_gains
-        moves, gains = moves + pick(at.wz, c) * layer, gains + pick(at.wz, c) * layer_gains
+                node, wx = row + np.uint64(a), pick(at.wx, a)
+                line, line_gains = line + wx * fetch(velocity, node), line_gains + wx * fetch(change, node)
+            layer, layer_gains = layer + wy * line, layer_gains + wy * line_gains
+        wz = pick(at.wz, c)
+        moves, gains = moves + wz * layer, gains + wz * layer_gains
     return moves, gains
 
 

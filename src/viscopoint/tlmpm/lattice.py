@@ -1,8 +1,6 @@
 """The background grid of the undeformed body: bricks whose nodes are where they are for good.
 
-A plane of nodes is the body's foot. Points are sorted once by cell, cells by slabs of ``SLAB`` layers; slabs of one colour
-(even, odd) share no node, so that threads add to nodes without atomics and every node sums its points in the same
-order, whatever the thread count.
+A plane of nodes is the body's foot. Points are sorted once by cell, and so into slabs.
 """
 
 from typing import Any, NamedTuple
@@ -14,7 +12,6 @@ from viscopoint.arrays import Array, Indices
 from viscopoint.errors import InputError
 from viscopoint.jit import implements, inline, serial_kernel
 from viscopoint.mpm.geometry import GEOMETRIES
-from viscopoint.mpm.grid import SLAB
 from viscopoint.mpm.support import in_half_plane, in_space, placed
 from viscopoint.tlmpm.points import Points
 from viscopoint.workspace import BLOCK
@@ -61,8 +58,11 @@ def around_body(
     cell: tuple[float, float, float],
     origin: tuple[float, float, float],
     kind: type[Lattice] = Lattice,
+    overhang: int = 0,
 ) -> Lattice:
     """Return the grid of bricks ``cell`` [mm] with a node at ``origin`` that holds all points.
+
+    Points act on nodes up to ``overhang`` cells before and behind their own cell.
 
     Raises:
         InputError: more points than a block share a cell.
@@ -76,7 +76,7 @@ def around_body(
     rows, points = np.unique(row, return_counts=True)
     if points.max() > BLOCK:
         raise InputError(f"method.cell: {points.max()} points share a cell, at most {BLOCK} may; take a smaller one")
-    slab = rows // (nx * ny * SLAB)
+    slab = rows // (nx * ny * (1 + 2 * overhang))
     scalars: list[float] = [float(value) for value in (*origin, *per_cell, *first)]
     return kind(
         *scalars,

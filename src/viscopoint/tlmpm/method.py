@@ -70,7 +70,9 @@ class TotalLagrangianMethod:
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
         self.points: Points = at_rest(body.position, body.volume, len(self.blank))
-        self.lattice: Lattice = around_body(body.position, choices.cell, choices.origin, choices.lattice)
+        self.lattice: Lattice = around_body(
+            body.position, choices.cell, choices.origin, choices.lattice, choices.shape.overhang
+        )
         self.extension, self.nodes = self._nodes(choices)
         self.reference: Array = self.nodes.position.copy()
         self.wall = NO_WALL

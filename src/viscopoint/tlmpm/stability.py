@@ -16,6 +16,7 @@ from numba import prange
 
 from viscopoint.arrays import Array
 from viscopoint.jit import kernel
+from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import Matrix
 from viscopoint.tlmpm.extension import Extension, carry
 from viscopoint.tlmpm.interpolation import push, reference_gradient
@@ -64,16 +65,16 @@ def reach(
 def stiffen(points: Points, lattice: Lattice, shape: Any, swelling: float, shearing: float) -> None:
     """Add to the nodes Σ V_p s ∇0 N of s = (``swelling`` tr ε) I + ``shearing`` ε."""
     force = lattice.force
-    slabs = len(lattice.start) - 1
-    for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
-            slab = 2 * pair + colour
-            for q in range(lattice.cells[lattice.start[slab]], lattice.cells[lattice.start[slab + 1]]):
-                p = lattice.order[q]
-                at = around(points, p, lattice, shape)
-                a = reference_gradient(lattice.velocity, lattice, at, 1.0)
-                size = points.volume[p]
-                mean, shear = size * swelling * (a.xx + a.yy + a.zz), size * shearing
-                xx, yy, zz = mean + shear * a.xx, mean + shear * a.yy, mean + shear * a.zz
-                xy, yz, zx = 0.5 * shear * (a.xy + a.yx), 0.5 * shear * (a.yz + a.zy), 0.5 * shear * (a.zx + a.xz)
-                push(force, lattice, at, Matrix(xx, xy, zx, xy, yy, yz, zx, yz, zz))
+    start, slabs = lattice.start, len(lattice.start) - 1
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
+            for slab in part_of(start, slabs, part, colour, COLOURS):
+                for q in range(lattice.cells[start[slab]], lattice.cells[start[slab + 1]]):
+                    p: int = lattice.order[q]
+                    at = around(points, p, lattice, shape)
+                    a = reference_gradient(lattice.velocity, lattice, at, 1.0)
+                    size = points.volume[p]
+                    mean, shear = size * swelling * (a.xx + a.yy + a.zz), size * shearing
+                    xx, yy, zz = mean + shear * a.xx, mean + shear * a.yy, mean + shear * a.zz
+                    xy, yz, zx = 0.5 * shear * (a.xy + a.yx), 0.5 * shear * (a.yz + a.zy), 0.5 * shear * (a.zx + a.xz)
+                    push(force, lattice, at, Matrix(xx, xy, zx, xy, yy, yz, zx, yz, zz))

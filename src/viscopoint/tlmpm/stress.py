@@ -12,6 +12,7 @@ from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, stored_energy, update_stress
 from viscopoint.mpm.support import sampled
 from viscopoint.rows import load
+from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import Matrix, components, determinant, deviator, read, spherical, trace
 from viscopoint.tlmpm.block import (
     BEFORE,
@@ -57,34 +58,35 @@ def strain_points(
     [mm/ms], ``volume`` one of ``tlmpm.volumes`` and ``reach`` as in ``tlmpm.stability``.
     """
     order, cells, velocity, force = lattice.order, lattice.cells, lattice.velocity, lattice.force
-    slabs = len(lattice.start) - 1
-    for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
-            slab = 2 * pair + colour
-            least, cell, work = math.inf, lattice.start[slab], workspace(blank)
-            while cell < lattice.start[slab + 1]:  # a block of whole cells
-                last = cells_in_block(lattice, cell, lattice.start[slab + 1])
-                first, count = cells[cell], cells[last] - cells[cell]
-                for i in range(count):
-                    p = order[first + i]
-                    keep(work, STEP, i, follow(points, p, lattice, velocity, around(points, p, lattice, shape), dt))
-                    recall(points, p, work, i, blank)
-                for i in range(count):
-                    strain(work, i)
-                share(volume, work, lattice, cell, last)
-                for i in range(count):
-                    answer(work, i, lattice, law, factors, blank, sound, viscosity, reach, dt)
-                for i in range(count):
-                    p = order[first + i]
-                    remember_deformation(points, p, work, i)
-                    if kept(work, DETERMINANT, i, 0.0) > 0.0 and kept(work, MID_JACOBIAN, i, 0.0) > 0.0:
-                        remember(points, p, work, i, blank)
-                        push(force, lattice, around(points, p, lattice, shape), Matrix(*kept(work, STEP, i, NINE)))
-                        least = min(least, kept(work, STEP_LENGTH, i, 0.0))
-                    else:
-                        least = 0.0  # turned inside out: no step is short enough
-                cell = last
-            critical[slab] = least
+    start, slabs = lattice.start, len(lattice.start) - 1
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
+            for slab in part_of(start, slabs, part, colour, COLOURS):
+                least, cell, work = math.inf, start[slab], workspace(blank)
+                while cell < start[slab + 1]:  # a block of whole cells
+                    last = cells_in_block(lattice, cell, start[slab + 1])
+                    first: int = cells[cell]
+                    count: int = cells[last] - first
+                    for i in range(count):
+                        p: int = order[first + i]
+                        keep(work, STEP, i, follow(points, p, lattice, velocity, around(points, p, lattice, shape), dt))
+                        recall(points, p, work, i, blank)
+                    for i in range(count):
+                        strain(work, i)
+                    share(volume, work, lattice, cell, last)
+                    for i in range(count):
+                        answer(work, i, lattice, law, factors, blank, sound, viscosity, reach, dt)
+                    for i in range(count):
+                        p: int = order[first + i]
+                        remember_deformation(points, p, work, i)
+                        if kept(work, DETERMINANT, i, 0.0) > 0.0 and kept(work, MID_JACOBIAN, i, 0.0) > 0.0:
+                            remember(points, p, work, i, blank)
+                            push(force, lattice, around(points, p, lattice, shape), Matrix(*kept(work, STEP, i, NINE)))
+                            least = min(least, kept(work, STEP_LENGTH, i, 0.0))
+                        else:
+                            least = 0.0  # turned inside out: no step is short enough
+                    cell = last
+                critical[slab] = least
 
 
 @inline
@@ -116,8 +118,10 @@ def answer(
     own = read(kept(work, STRAIN, i, SIX))
     swelling, after, before = kept(work, SWELLING, i, 0.0), kept(work, JACOBIAN, i, 0.0), kept(work, BEFORE, i, 0.0)
     shared = deviator(own) + spherical(swelling / 3.0)
-    turn, earlier, memory = Matrix(*kept(work, TURN, i, NINE)), read(kept(work, STRESS, i, SIX)), kept(
-        work, HISTORY, i, blank
+    turn, earlier, memory = (
+        Matrix(*kept(work, TURN, i, NINE)),
+        read(kept(work, STRESS, i, SIX)),
+        kept(work, HISTORY, i, blank),
     )
     stress, history, loss = update_stress(law, factors, shared, turn, after, earlier, memory)
     keep(work, STRESS, i, components(stress))

@@ -30,7 +30,20 @@ from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.rows import load, store
-from viscopoint.tensors import Columns, Sym, Vec, applied, matrix, read, read_vector, spherical, trace, write, write_vector
+from viscopoint.slabs import COLOURS, PARTS, part_of
+from viscopoint.tensors import (
+    Columns,
+    Sym,
+    Vec,
+    applied,
+    matrix,
+    read,
+    read_vector,
+    spherical,
+    trace,
+    write,
+    write_vector,
+)
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
 
 
@@ -70,63 +83,65 @@ def strain_ring_one_point(
     dissipated, hypoelastic = elements.dissipated, elements.hypoelastic
     viscous_loss, hourglass_work = elements.viscous_loss, elements.hourglass_work
     critical, weakest = limits.critical, limits.weakest
-    count = len(slabs.start) - 1
-    for colour in range(2):
-        for pair in prange((count - colour + 1) // 2):
-            slab = 2 * pair + colour
-            least, where = math.inf, -1
-            for q in range(slabs.start[slab], slabs.start[slab + 1]):
-                e = slabs.order[q]
-                if not alive[e]:
-                    continue
-                corner = elements.corner[e]
-                place, flow = modes(nodes.position, corner), modes(nodes.velocity, corner)
-                middle = moved(place, -0.5 * dt, flow)
-                mid_volume, now = volume(middle), volume(place)
-                length = smallest_length(place)
-                if not (now > 0.0 and mid_volume > 0.0 and length > 0.0):  # turned inside out
-                    alive[e] = limits.delete_below < 0.0
-                    if alive[e] and least > 0.0:
-                        least, where = 0.0, e
-                    continue
-                step_gradient = gradient(flow, ring_weights(middle), dt / mid_volume)
-                strain, turn = strain_and_turn(matrix(step_gradient))
-                before, after = jacobian[e], now / elements.volume[e, 0]
-                earlier, memory = read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
-                stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
-                write(elements.stress[e, 0], stress)
-                store(elements.history[e, 0], history)
-                jacobian[e] = after
-                dissipated[e, 0] += 0.5 * (before + after) * loss
-                hypoelastic[e, 0] += hypoelastic_work(law, after - before, earlier, memory, stress, history)
+    start, layers = slabs.start, len(slabs.start) - 1
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
+            for slab in part_of(start, layers, part, colour, COLOURS):
+                least, where = math.inf, -1
+                for q in range(start[slab], start[slab + 1]):
+                    e: int = slabs.order[q]
+                    if not alive[e]:
+                        continue
+                    corner = elements.corner[e]
+                    place, flow = modes(nodes.position, corner), modes(nodes.velocity, corner)
+                    middle = moved(place, -0.5 * dt, flow)
+                    mid_volume, now = volume(middle), volume(place)
+                    length = smallest_length(place)
+                    if not (now > 0.0 and mid_volume > 0.0 and length > 0.0):  # turned inside out
+                        alive[e] = limits.delete_below < 0.0
+                        if alive[e] and least > 0.0:
+                            least, where = 0.0, e
+                        continue
+                    step_gradient = gradient(flow, ring_weights(middle), dt / mid_volume)
+                    strain, turn = strain_and_turn(matrix(step_gradient))
+                    before, after = jacobian[e], now / elements.volume[e, 0]
+                    earlier, memory = read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
+                    stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
+                    write(elements.stress[e, 0], stress)
+                    store(elements.history[e, 0], history)
+                    jacobian[e] = after
+                    dissipated[e, 0] += 0.5 * (before + after) * loss
+                    hypoelastic[e, 0] += hypoelastic_work(law, after - before, earlier, memory, stress, history)
 
-                here = sound * math.sqrt(after)
-                pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, trace(strain) / dt)
-                swept = elements.volume[e, 0] * trace(strain)
-                viscous_loss[e] -= 0.5 * swept * (before * viscous[e] + after * pressure)
-                viscous[e] = pressure
+                    here = sound * math.sqrt(after)
+                    pressure, damping = viscous_pressure(
+                        viscosity, law.density / after, length, here, trace(strain) / dt
+                    )
+                    swept = elements.volume[e, 0] * trace(strain)
+                    viscous_loss[e] -= 0.5 * swept * (before * viscous[e] + after * pressure)
+                    viscous[e] = pressure
 
-                # of the mode, what the mean gradient does not explain, at mid-step
-                slip = alone(dt * flow.both - applied(step_gradient, middle.both))
-                force, work = resist(
-                    hourglass, alone(read_vector(elements.memory[e])), slip, turn, dt, law.density * elements.volume[e, 0],
-                    here, length,
-                )  # fmt: skip
-                write_vector(elements.memory[e], force.all)
-                hourglass_work[e] += work
+                    # of the mode, what the mean gradient does not explain, at mid-step
+                    slip = alone(dt * flow.both - applied(step_gradient, middle.both))
+                    force, work = resist(
+                        hourglass, alone(read_vector(elements.memory[e])), slip, turn, dt,
+                        law.density * elements.volume[e, 0], here, length,
+                    )  # fmt: skip
+                    write_vector(elements.memory[e], force.all)
+                    hourglass_work[e] += work
 
-                reach, shares = ring_weights(place), corner_volumes(place)
-                swell = swelling(reach, shares, corner, nodes.fixed) / now
-                shear = shearing(reach, shares, corner, nodes.fixed) / now
-                stable = stable_length(swell, shear)
-                if stable / here < limits.delete_below:
-                    alive[e] = 0
-                    continue
-                step = longest_step(viscosity, stable, length, here, damping)
-                if step < least:
-                    least, where = step, e
-                spread(nodes.force, corner, on_modes(stress - spherical(pressure), force.all, place, reach, now))
-            critical[slab], weakest[slab] = least, where
+                    reach, shares = ring_weights(place), corner_volumes(place)
+                    swell = swelling(reach, shares, corner, nodes.fixed) / now
+                    shear = shearing(reach, shares, corner, nodes.fixed) / now
+                    stable = stable_length(swell, shear)
+                    if stable / here < limits.delete_below:
+                        alive[e] = 0
+                        continue
+                    step = longest_step(viscosity, stable, length, here, damping)
+                    if step < least:
+                        least, where = step, e
+                    spread(nodes.force, corner, on_modes(stress - spherical(pressure), force.all, place, reach, now))
+                critical[slab], weakest[slab] = least, where
 
 
 @inline

@@ -32,6 +32,7 @@ from viscopoint.jit import kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.rows import load, store
+from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import deviator, matrix, read, spherical, trace, write
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
 
@@ -69,61 +70,63 @@ def strain_ring_selective(
     alive, jacobian, viscous = elements.alive, elements.jacobian, elements.viscous_pressure
     dissipated, hypoelastic, viscous_loss = elements.dissipated, elements.hypoelastic, elements.viscous_loss
     critical, weakest = limits.critical, limits.weakest
-    count = len(slabs.start) - 1
-    for colour in range(2):
-        for pair in prange((count - colour + 1) // 2):
-            slab = 2 * pair + colour
-            least, where = math.inf, -1
-            for q in range(slabs.start[slab], slabs.start[slab + 1]):
-                e = slabs.order[q]
-                if not alive[e]:
-                    continue
-                corner = elements.corner[e]
-                place, flow = modes(nodes.position, corner), modes(nodes.velocity, corner)
-                middle = moved(place, -0.5 * dt, flow)
-                reach, shares, now = ring_weights(place), corner_volumes(place), volume(place)
-                reference = 0.0
-                for k in range(4):
-                    reference += elements.volume[e, k]
-                before, after = float(jacobian[e]), now / reference
-                growth = after - before
-                stretch = gradient(flow, ring_weights(middle), dt / volume(middle))
-                swelling_strain = stretch.x.x + stretch.y.y + stretch.z.z
-                on, mean, shear, whole = no_force(), 0.0, 0.0, now > 0.0
-                for k in range(4):
-                    xi, eta = GAUSS * XI[k], GAUSS * ETA[k]
-                    half, mid_volume = point_weights(middle, xi, eta)
-                    local, share = point_weights(place, xi, eta)
-                    whole = whole and share > 0.0 and mid_volume > 0.0
-                    if not whole:  # turned inside out; what the points before have taken stays in the account
-                        break
-                    strain, turn = strain_and_turn(matrix(gradient(flow, half, dt / mid_volume)))
-                    strain = deviator(strain) + spherical(swelling_strain / 3.0)
-                    earlier, memory = read(elements.stress[e, k]), load(elements.history[e, k], blank)
-                    stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
-                    write(elements.stress[e, k], stress)
-                    store(elements.history[e, k], history)
-                    dissipated[e, k] += 0.5 * (before + after) * loss
-                    hypoelastic[e, k] += hypoelastic_work(law, growth, earlier, memory, stress, history)
-                    mean += share * trace(stress) / 3.0
-                    on = gathered(on, pulling((-1.0) * deviator(stress)), local)
-                    shear += shearing(local, shares, corner, nodes.fixed) / share
-                if not whole:
-                    alive[e] = limits.delete_below < 0.0
-                    if alive[e] and least > 0.0:
-                        least, where = 0.0, e
-                    continue
-                jacobian[e] = after
-                length, here = smallest_length(place), sound * math.sqrt(after)
-                pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, swelling_strain / dt)
-                viscous_loss[e] -= 0.5 * reference * swelling_strain * (before * viscous[e] + after * pressure)
-                viscous[e] = pressure
-                stable = stable_length(swelling(reach, shares, corner, nodes.fixed) / now, shear)
-                if stable / here < limits.delete_below:
-                    alive[e] = 0
-                    continue
-                step = longest_step(viscosity, stable, length, here, damping)
-                if step < least:
-                    least, where = step, e
-                spread(nodes.force, corner, gathered(on, pulling(spherical(pressure - mean / now)), reach))
-            critical[slab], weakest[slab] = least, where
+    start, layers = slabs.start, len(slabs.start) - 1
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
+            for slab in part_of(start, layers, part, colour, COLOURS):
+                least, where = math.inf, -1
+                for q in range(start[slab], start[slab + 1]):
+                    e: int = slabs.order[q]
+                    if not alive[e]:
+                        continue
+                    corner = elements.corner[e]
+                    place, flow = modes(nodes.position, corner), modes(nodes.velocity, corner)
+                    middle = moved(place, -0.5 * dt, flow)
+                    reach, shares, now = ring_weights(place), corner_volumes(place), volume(place)
+                    reference = 0.0
+                    for k in range(4):
+                        reference += elements.volume[e, k]
+                    before, after = float(jacobian[e]), now / reference
+                    growth = after - before
+                    stretch = gradient(flow, ring_weights(middle), dt / volume(middle))
+                    swelling_strain = stretch.x.x + stretch.y.y + stretch.z.z
+                    on, mean, shear, whole = no_force(), 0.0, 0.0, now > 0.0
+                    for k in range(4):
+                        xi, eta = GAUSS * XI[k], GAUSS * ETA[k]
+                        half, mid_volume = point_weights(middle, xi, eta)
+                        local, share = point_weights(place, xi, eta)
+                        whole = whole and share > 0.0 and mid_volume > 0.0
+                        if not whole:  # turned inside out; what the points before have taken stays in the account
+                            break
+                        strain, turn = strain_and_turn(matrix(gradient(flow, half, dt / mid_volume)))
+                        strain = deviator(strain) + spherical(swelling_strain / 3.0)
+                        earlier, memory = read(elements.stress[e, k]), load(elements.history[e, k], blank)
+                        stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
+                        write(elements.stress[e, k], stress)
+                        store(elements.history[e, k], history)
+                        dissipated[e, k] += 0.5 * (before + after) * loss
+                        hypoelastic[e, k] += hypoelastic_work(law, growth, earlier, memory, stress, history)
+                        mean += share * trace(stress) / 3.0
+                        on = gathered(on, pulling((-1.0) * deviator(stress)), local)
+                        shear += shearing(local, shares, corner, nodes.fixed) / share
+                    if not whole:
+                        alive[e] = limits.delete_below < 0.0
+                        if alive[e] and least > 0.0:
+                            least, where = 0.0, e
+                        continue
+                    jacobian[e] = after
+                    length, here = smallest_length(place), sound * math.sqrt(after)
+                    pressure, damping = viscous_pressure(
+                        viscosity, law.density / after, length, here, swelling_strain / dt
+                    )
+                    viscous_loss[e] -= 0.5 * reference * swelling_strain * (before * viscous[e] + after * pressure)
+                    viscous[e] = pressure
+                    stable = stable_length(swelling(reach, shares, corner, nodes.fixed) / now, shear)
+                    if stable / here < limits.delete_below:
+                        alive[e] = 0
+                        continue
+                    step = longest_step(viscosity, stable, length, here, damping)
+                    if step < least:
+                        least, where = step, e
+                    spread(nodes.force, corner, gathered(on, pulling(spherical(pressure - mean / now)), reach))
+                critical[slab], weakest[slab] = least, where

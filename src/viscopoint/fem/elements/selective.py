@@ -62,6 +62,7 @@ from viscopoint.fem.state import Elements, Nodes
 from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, update_stress
+from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import components, deviator, dot, matrix, read, spherical, sym_columns, trace
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
 from viscopoint.workspace import BLOCK, keep, kept, widest_vectors, workspace
@@ -99,49 +100,49 @@ def strain_selective(
     """Update J and bulk viscosity of each element, σ of its points; spread its forces to its corners."""
     alive, force, order = elements.alive, nodes.force, slabs.order
     critical, weakest = limits.critical, limits.weakest
-    total = len(slabs.start) - 1
-    for colour in range(2):
-        for pair in prange((total - colour + 1) // 2):
+    start, layers = slabs.start, len(slabs.start) - 1
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
             widest_vectors()  # pyright: ignore[reportCallIssue]  (an intrinsic)
-            slab = 2 * pair + colour
-            least, where, work = math.inf, -1, workspace(blank)
-            for first in range(slabs.start[slab], slabs.start[slab + 1], BLOCK):
-                count = min(BLOCK, slabs.start[slab + 1] - first)
-                for i in range(count):
-                    e = order[first + i]
-                    recall_motion(nodes, elements, e, work, i)
-                    keep(work, REFERENCE, i, elements.volume[e].sum())
-                for i in range(count):
-                    swell(work, i, dt)
-                for k in range(8):
+            for slab in part_of(start, layers, part, colour, COLOURS):
+                least, where, work = math.inf, -1, workspace(blank)
+                for first in range(start[slab], start[slab + 1], BLOCK):
+                    count = min(BLOCK, start[slab + 1] - first)
                     for i in range(count):
-                        recall_point(elements, order[first + i], k, work, i, blank)
+                        e: int = order[first + i]
+                        recall_motion(nodes, elements, e, work, i)
+                        keep(work, REFERENCE, i, elements.volume[e].sum())
                     for i in range(count):
-                        answer(work, i, k, law, factors, blank, dt)
+                        swell(work, i, dt)
+                    for k in range(8):
+                        for i in range(count):
+                            recall_point(elements, order[first + i], k, work, i, blank)
+                        for i in range(count):
+                            answer(work, i, k, law, factors, blank, dt)
+                        for i in range(count):
+                            e: int = order[first + i]
+                            if alive[e] and kept(work, WHOLE, i, 0.0) > 0.0:
+                                remember_point(elements, e, k, work, i, blank)
                     for i in range(count):
-                        e = order[first + i]
-                        if alive[e] and kept(work, WHOLE, i, 0.0) > 0.0:
-                            remember_point(elements, e, k, work, i, blank)
-                for i in range(count):
-                    push(work, i, law.density, sound, viscosity, dt)
-                for i in range(count):
-                    e = order[first + i]
-                    if not alive[e]:
-                        continue
-                    if not kept(work, WHOLE, i, 0.0) > 0.0:
-                        alive[e] = limits.delete_below < 0.0  # turned inside out
-                        if alive[e] and least > 0.0:
-                            least, where = 0.0, e
-                        continue
-                    remember_whole(elements, e, work, i)
-                    if kept(work, REST_STEP, i, 0.0) < limits.delete_below:
-                        alive[e] = 0
-                        continue
-                    step = kept(work, STEP_LENGTH, i, 0.0)
-                    if step < least:
-                        least, where = step, e
-                    spread(force, elements.corner[e], work, i)
-            critical[slab], weakest[slab] = least, where
+                        push(work, i, law.density, sound, viscosity, dt)
+                    for i in range(count):
+                        e: int = order[first + i]
+                        if not alive[e]:
+                            continue
+                        if not kept(work, WHOLE, i, 0.0) > 0.0:
+                            alive[e] = limits.delete_below < 0.0  # turned inside out
+                            if alive[e] and least > 0.0:
+                                least, where = 0.0, e
+                            continue
+                        remember_whole(elements, e, work, i)
+                        if kept(work, REST_STEP, i, 0.0) < limits.delete_below:
+                            alive[e] = 0
+                            continue
+                        step = kept(work, STEP_LENGTH, i, 0.0)
+                        if step < least:
+                            least, where = step, e
+                        spread(force, elements.corner[e], work, i)
+                critical[slab], weakest[slab] = least, where
 
 
 @inline

@@ -21,6 +21,7 @@ class Contact(Protocol):
     """What the method asks of the choice beside ``closed``."""
 
     stretches: bool  # whether points need to know their ``stretch``
+    spares: int  # how many spare arrays of nodes the choice needs
 
     @classmethod
     def at(cls, wall: RigidWall, points: Points, grid: Grid, shape: Any, half: float) -> "Contact":

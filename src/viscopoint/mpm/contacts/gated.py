@@ -13,11 +13,11 @@ step), whatever the gap was: from there on, runs with different gaps are alike.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from viscopoint.arrays import Array
 from viscopoint.jit import implements, inline, serial_kernel
 from viscopoint.mpm.contacts import closed, offer
-from viscopoint.mpm.grid import SLAB, Grid
+from viscopoint.mpm.grid import Grid, forget
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import Support, around
 from viscopoint.wall import RigidWall
@@ -30,24 +30,24 @@ REACH = 2  # cells; points further above the wall act on none of its nodes
 class Gated(NamedTuple):
     """The nodes on which arrived material acts."""
 
-    arrived: NDArray[np.uint8]  # [n]
+    arrived: Array  # [n, 4], the first not 0
 
     stretches = True
+    spares = 1
 
     @classmethod
     def at(cls, wall: RigidWall, points: Points, grid: Grid, shape: Any, half: float) -> "Gated":
-        arrived = np.zeros(len(grid.momentum), np.uint8)
+        arrived = grid.spare[0]
+        forget(arrived)
         mark_arrived(points, grid, shape, wall.height, half, arrived)
         return cls(arrived)
 
 
 @serial_kernel
-def mark_arrived(
-    points: Points, grid: Grid, shape: Any, height: float, half: float, arrived: NDArray[np.uint8]
-) -> None:
+def mark_arrived(points: Points, grid: Grid, shape: Any, height: float, half: float, arrived: Array) -> None:
     """Mark the nodes on which a point acts whose lower edge is at the wall or below."""
     near = int((height - grid.z0) * grid.per_cell) + REACH  # few points: only slabs that begin below this plane
-    for slab in range(min(near // SLAB + 1, len(grid.start) - 2)):
+    for slab in range(min(near // grid.layers + 1, len(grid.start) - 2)):
         for q in range(grid.start[slab], grid.start[slab + 1]):
             p = grid.order[q]
             if points.position[p, 2] - half * points.stretch[p, 2] <= height + TOUCHING * grid.cell:
@@ -55,16 +55,16 @@ def mark_arrived(
 
 
 @inline
-def mark(field: NDArray[np.uint8], grid: Grid, at: Support) -> None:
+def mark(field: Array, grid: Grid, at: Support) -> None:
     """Mark the nodes on which a point acts."""
     for c in range(len(at.wz)):
         for b in range(len(at.wy)):
             row = at.first + (np.uint64(c) * grid.ny + np.uint64(b)) * grid.nx
             for a in range(len(at.wx)):
                 if at.wx[a] * at.wy[b] * at.wz[c] > 0.0:
-                    field[row + np.uint64(a)] = 1
+                    field[row + np.uint64(a), 0] = 1.0
 
 
 @implements(closed, Gated)
 def where_arrived(contact: Gated, node: np.uint64) -> bool:
-    return contact.arrived[node] != 0
+    return contact.arrived[node, 0] != 0.0

@@ -19,6 +19,7 @@ class Nodes(NamedTuple):
     """Nothing to look at."""
 
     stretches = False
+    spares = 0
 
     @classmethod
     def at(cls, wall: RigidWall, points: Points, grid: Grid, shape: Any, half: float) -> "Nodes":

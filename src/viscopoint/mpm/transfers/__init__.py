@@ -40,6 +40,11 @@ class Transfer(Protocol):
         ...
 
     @property
+    def spares(self) -> int:
+        """How many spare arrays of nodes the transfer needs."""
+        ...
+
+    @property
     def dissipates(self) -> str:
         """By what the transfer loses energy, in the words of the guard that stops a run for it."""
         ...

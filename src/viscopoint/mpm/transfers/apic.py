@@ -35,6 +35,10 @@ class Apic(NamedTuple):
         return True
 
     @property
+    def spares(self) -> int:
+        return 0
+
+    @property
     def dissipates(self) -> str:
         return "APIC forgets what cells cannot hold, its own loss (method.transfer; guards.energy_error may allow it)"
 

@@ -32,6 +32,10 @@ class Flip(NamedTuple):
         return False
 
     @property
+    def spares(self) -> int:
+        return 0
+
+    @property
     def dissipates(self) -> str:
         return "the transfers dissipate (method.pic_fraction)"
 

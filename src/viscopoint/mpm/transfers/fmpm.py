@@ -15,15 +15,15 @@ mass: corrected too, it made the paper's foot stiffer and took twice the time.
 
 from typing import Any, NamedTuple
 
-import numpy as np
 from numba import prange
 
 from viscopoint.arrays import Array
 from viscopoint.jit import implements, kernel
-from viscopoint.mpm.grid import Grid
+from viscopoint.mpm.grid import Grid, forget
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import Support, around, sampled, spread, spread_with_force
 from viscopoint.mpm.transfers import carry, give, give_with_force, offer, take
+from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import Sym
 
 
@@ -42,13 +42,19 @@ class Fmpm(NamedTuple):
         return False
 
     @property
+    def spares(self) -> int:
+        return 2
+
+    @property
     def dissipates(self) -> str:
         return "FMPM forgets what the nodes do not see, its own loss; take a larger method.order"
 
     def correct(self, points: Points, grid: Grid, shape: Any) -> None:
         """Add the corrections of order 2 to k."""
-        rest, seen = grid.velocity.copy(), np.empty_like(grid.velocity)
+        rest, seen = grid.spare
+        rest[:] = grid.velocity
         for _ in range(self.order - 1):
+            forget(seen)
             filter_nodes(points, grid, shape, rest, seen)
             grid.geometry.mirror(grid, seen)
             add_rest(grid, rest, seen)
@@ -57,19 +63,16 @@ class Fmpm(NamedTuple):
 @kernel
 def filter_nodes(points: Points, grid: Grid, shape: Any, rest: Array, seen: Array) -> None:
     """Map Σ N m_p Σ N rest_i: what of the nodes' ``rest`` comes back from the points, times m_i."""
-    for n in prange(len(seen)):
-        for a in range(4):
-            seen[n, a] = 0.0
-    slabs = len(grid.start) - 2
-    for colour in range(2):
-        for pair in prange((slabs - colour + 1) // 2):
-            slab = 2 * pair + colour
-            for q in range(grid.start[slab], grid.start[slab + 1]):
-                p: int = grid.order[q]
-                m: float = points.mass[p]
-                at = around(points, p, grid, shape)
-                back = sampled(rest, grid, at)
-                spread(seen, grid, at, m * back.x, m * back.y, m * back.z, m)
+    start, slabs = grid.start, len(grid.start) - 2
+    for colour in range(COLOURS):
+        for part in prange(PARTS):
+            for slab in part_of(start, slabs, part, colour, COLOURS):
+                for q in range(start[slab], start[slab + 1]):
+                    p: int = grid.order[q]
+                    m: float = points.mass[p]
+                    at = around(points, p, grid, shape)
+                    back = sampled(rest, grid, at)
+                    spread(seen, grid, at, m * back.x, m * back.y, m * back.z, m)
 
 
 @kernel

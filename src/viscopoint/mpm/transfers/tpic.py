@@ -34,6 +34,10 @@ class Tpic(NamedTuple):
         return True
 
     @property
+    def spares(self) -> int:
+        return 0
+
+    @property
     def dissipates(self) -> str:
         return "TPIC forgets what cells cannot hold, its own loss (method.transfer; guards.energy_error may allow it)"
 

@@ -20,6 +20,8 @@ T = TypeVar("T")
 class Volume(Protocol):
     """What the method asks of the choice beside ``dilated`` and ``pull``."""
 
+    spares: int  # how many spare arrays of nodes the choice needs
+
     @classmethod
     def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "Volume":
         """Return what ``dilated`` needs for the step that the nodes' velocity makes in ``dt``."""

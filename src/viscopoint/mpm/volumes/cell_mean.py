@@ -12,16 +12,16 @@ to push with its own, the works would differ by Σ V_p (p_p - p̄) θ_p: 5 % of 
 
 from typing import Any, NamedTuple
 
-import numpy as np
 from numba import prange
 
 from viscopoint.arrays import Array
 from viscopoint.jit import implements, kernel
 from viscopoint.kinematics import increments
-from viscopoint.mpm.grid import Grid
+from viscopoint.mpm.grid import Grid, forget
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import around, cell_row, gradient
 from viscopoint.mpm.volumes import dilated, offer, pull
+from viscopoint.slabs import PARTS, part_of
 from viscopoint.tensors import Sym, deviator, read, spherical, trace
 
 
@@ -29,17 +29,21 @@ from viscopoint.tensors import Sym, deviator, read, spherical, trace
 class CellMean(NamedTuple):
     """Sums over the points of each cell, in the row of its first node."""
 
-    sums: Array  # [n, 3], of volume [mm^3]; of tr Δε by it and growth by it, or of p_p by it and nothing
+    sums: Array  # [n, 4], of volume [mm^3]; of tr Δε by it and growth by it, or of p_p by it
+
+    spares = 1
 
     @classmethod
     def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "CellMean":
-        sums = np.zeros((len(grid.momentum), 3))
+        sums = grid.spare[0]
+        forget(sums)
         sum_dilatation(points, grid, shape, dt, sums)
         return cls(sums)
 
     @classmethod
     def pressed(cls, points: Points, grid: Grid) -> "CellMean":
-        sums = np.zeros((len(grid.momentum), 3))
+        sums = grid.spare[0]
+        forget(sums)
         sum_tension(points, grid, sums)
         return cls(sums)
 
@@ -50,28 +54,32 @@ class CellMean(NamedTuple):
 @kernel
 def sum_dilatation(points: Points, grid: Grid, shape: Any, dt: float, sums: Array) -> None:
     """Sum over each cell V_p, V_p tr Δε_p and V_p (θ_p - 1)."""
-    for slab in prange(len(grid.start) - 2):
-        for q in range(grid.start[slab], grid.start[slab + 1]):
-            p = grid.order[q]
-            at = around(points, p, grid, shape)
-            strain, _, ratio = increments(gradient(grid.velocity, grid, at, dt * grid.per_cell))
-            volume = points.jacobian[p] * points.volume[p]
-            cell = cell_row(points, p, grid)
-            sums[cell, 0] += volume
-            sums[cell, 1] += volume * trace(strain)
-            sums[cell, 2] += volume * (ratio - 1.0)
+    start, slabs = grid.start, len(grid.start) - 2
+    for part in prange(PARTS):
+        for slab in part_of(start, slabs, part):
+            for q in range(start[slab], start[slab + 1]):
+                p: int = grid.order[q]
+                at = around(points, p, grid, shape)
+                strain, _, ratio = increments(gradient(grid.velocity, grid, at, dt * grid.per_cell))
+                volume = points.jacobian[p] * points.volume[p]
+                cell = cell_row(points, p, grid)
+                sums[cell, 0] += volume
+                sums[cell, 1] += volume * trace(strain)
+                sums[cell, 2] += volume * (ratio - 1.0)
 
 
 @kernel
 def sum_tension(points: Points, grid: Grid, sums: Array) -> None:
     """Sum over each cell V_p and -V_p p_p, bulk viscosity included."""
-    for slab in prange(len(grid.start) - 2):
-        for q in range(grid.start[slab], grid.start[slab + 1]):
-            p = grid.order[q]
-            volume = points.jacobian[p] * points.volume[p]
-            cell = cell_row(points, p, grid)
-            sums[cell, 0] += volume
-            sums[cell, 1] += volume * (trace(read(points.stress[p])) / 3.0 - points.viscous_pressure[p])
+    start, slabs = grid.start, len(grid.start) - 2
+    for part in prange(PARTS):
+        for slab in part_of(start, slabs, part):
+            for q in range(start[slab], start[slab + 1]):
+                p: int = grid.order[q]
+                volume = points.jacobian[p] * points.volume[p]
+                cell = cell_row(points, p, grid)
+                sums[cell, 0] += volume
+                sums[cell, 1] += volume * (trace(read(points.stress[p])) / 3.0 - points.viscous_pressure[p])
 
 
 @implements(dilated, CellMean)

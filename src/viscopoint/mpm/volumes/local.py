@@ -13,6 +13,8 @@ from viscopoint.tensors import Sym, read, spherical
 class Local(NamedTuple):
     """Nothing is averaged."""
 
+    spares = 0
+
     @classmethod
     def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "Local":
         return cls()

@@ -12,7 +12,7 @@ from viscopoint.bench.memory import measured_growth
 from viscopoint.bench.record import Record, Spread, read, write
 from viscopoint.bench.startup import startups
 from viscopoint.bench.timing import started
-from viscopoint.bench.traffic import PASSES, PASSING, arrays_of, bytes_held, bytes_per_step
+from viscopoint.bench.traffic import PASSES, arrays_of, bytes_held, bytes_per_step
 from viscopoint.bench.triad import bandwidths, triad, triads
 from viscopoint.bench.work import MATERIALS, PAPER_LAW, VARIANTS, Work, case_of, passes_of, selection
 from viscopoint.case import Case
@@ -72,7 +72,7 @@ def test_passes_name_arrays_that_exist_and_miss_none_with_a_row_for_each_part(bu
     work, method = built
     arrays = arrays_of(method)
     named = {name for one in passes_of(work) for name in f"{one.reads} {one.writes}".split()}
-    assert named <= arrays.keys() | PASSING.keys()
+    assert named <= arrays.keys()
     fewest = min(len(method.positions()), len(arrays.get("elements.alive", method.positions()))) // 2
     long = {name for name, array in arrays.items() if len(array) >= fewest and array.size}
     hourglass = {"elements.hourglass_work"} if work.variant == "selective" else set[str]()  # it has none

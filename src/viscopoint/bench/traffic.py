@@ -6,7 +6,7 @@ pass to the next. As in STREAM, that a line is fetched before it is written does
 row for each slab or chunk, and what the wall does on its own few nodes.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,19 +22,13 @@ class Pass(NamedTuple):
     writes: str
 
 
-# Arrays that live for a step: bytes of them.
-PASSING: dict[str, Callable[[Mapping[str, Rows]], int]] = {
-    "slab_of_point": lambda arrays: 4 * len(arrays["points.mass"]),  # in ``mpm.grid.around_points``
-    "sums_of_cell": lambda arrays: 32 * len(arrays["lattice.velocity"]),  # ``tlmpm.volumes.CellMean``
-}
-
 _LAW = "{0}.jacobian {0}.stress {0}.history {0}.dissipated {0}.hypoelastic {0}.viscous_pressure {0}.viscous_loss"
 _POINT_LAW, _ELEMENT_LAW = _LAW.format("points"), _LAW.format("elements")
 
 # MUSL and FLIP, every point its own volume, nodes in contact (``mpm.schemes.musl``)
 _MPM = (
-    Pass("forget_momentum", "", "grid.momentum"),
-    Pass("forget_force", "", "grid.change"),
+    Pass("forget", "", "grid.momentum"),
+    Pass("forget", "", "grid.change"),
     Pass(
         "scatter_momentum_and_force",
         "grid.order points.position points.stretch points.stress points.viscous_pressure points.jacobian points.volume "
@@ -42,7 +36,7 @@ _MPM = (
         "grid.momentum grid.change",
     ),
     Pass("solve", "grid.momentum grid.change", "grid.velocity grid.change"),
-    Pass("forget_momentum", "", "grid.momentum"),
+    Pass("forget", "", "grid.momentum"),
     Pass(
         "gather_velocity_and_remap",
         "grid.order points.position points.stretch points.mass points.velocity grid.velocity grid.change grid.momentum",
@@ -55,8 +49,8 @@ _MPM = (
         f"points.stretch {_POINT_LAW}",
     ),
     Pass("move", "grid.order points.position points.drift", "points.position"),
-    Pass("find_slabs", "points.position", "slab_of_point"),
-    Pass("sort_by_slab", "slab_of_point", "grid.order"),
+    Pass("find_slabs", "points.position", "grid.slab"),
+    Pass("sort_by_slab", "grid.slab", "grid.order"),
 )
 
 # velocity Verlet, every cell its dilatation (``tlmpm.method``)
@@ -70,17 +64,11 @@ _TLMPM = (
         "extension.out.start extension.out.column extension.out.value nodes.velocity",
         "lattice.velocity",
     ),
-    Pass("forget sums", "", "sums_of_cell"),
-    Pass(
-        "sum_dilatation",
-        "lattice.order points.reference points.volume points.deformation lattice.velocity sums_of_cell",
-        "sums_of_cell",
-    ),
     Pass("forget force", "", "lattice.force"),
     Pass(
         "strain_points",
         "lattice.order points.reference points.position points.volume points.deformation lattice.velocity "
-        f"lattice.force sums_of_cell {_POINT_LAW}",
+        f"lattice.cells lattice.force {_POINT_LAW}",
         f"points.position points.deformation lattice.force {_POINT_LAW}",
     ),
     Pass(
@@ -121,16 +109,12 @@ PASSES: dict[str, tuple[Pass, ...]] = {
 def bytes_per_step(method: Any, passes: Sequence[Pass]) -> int:
     """Return how many bytes a step moves."""
     arrays = arrays_of(method)
-
-    def size(name: str) -> int:
-        return PASSING[name](arrays) if name in PASSING else arrays[name].nbytes
-
-    return sum(size(name) for one in passes for name in f"{one.reads} {one.writes}".split())
+    return sum(arrays[name].nbytes for one in passes for name in f"{one.reads} {one.writes}".split())
 
 
 def bytes_held(method: Any) -> int:
     """Return how many bytes all arrays of a method have; an array under two names counts once."""
-    return sum({id(array): array.nbytes for array in arrays_of(method).values()}.values())
+    return sum({array.ctypes.data: array.nbytes for array in arrays_of(method).values()}.values())
 
 
 def arrays_of(method: Any) -> dict[str, Rows]:

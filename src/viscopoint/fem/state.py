@@ -61,7 +61,7 @@ def elements_at_rest(corner: Indices, volume: Array, history_size: int, modes: i
     """Return stress-free elements of some hourglass modes; ``volume[e, k]`` says how many points each has."""
     count, points = volume.shape
     return Elements(
-        corner=corner.astype(np.uint64),
+        corner=np.ascontiguousarray(corner, np.int64).view(np.uint64),  # the body's own
         alive=np.ones(count, np.uint8),
         volume=volume,
         jacobian=np.ones(count),

@@ -2,6 +2,7 @@
 
 import functools
 import json
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -79,20 +80,25 @@ class Run:
         return self.case.method.body(self.case.rod)
 
     @functools.cached_property
+    def columns(self) -> dict[str, NDArray[np.float64]]:
+        """The ledger, one entry per row of each column, by name."""
+        try:
+            columns = history_file.read(self._file(history_file.NAME))
+        except (OSError, ValueError) as error:
+            raise self._unreadable(history_file.NAME, error) from None
+        time = columns.get("time", np.empty(0))
+        whole = not set(UNITS) - set(columns) and len(time) > 0 and bool((np.diff(time) > 0.0).all())
+        if not whole or (self.rows and not time[-1] >= self.rows[-1].time):
+            raise self._unreadable(history_file.NAME, "a part of it is missing")
+        return columns
+
+    @functools.cached_property
     def history(self) -> "pandas.DataFrame":
         """The ledger, one line per row, columns by name; ``history.attrs["units"]`` has their units."""
         import pandas
 
-        try:
-            table = pandas.read_csv(self._file(history_file.NAME), dtype=float)
-        except (OSError, ValueError) as error:
-            raise self._unreadable(history_file.NAME, error) from None
-        names = [heading.partition(" [") for heading in table.columns]
-        table.columns = [name for name, _, _ in names]
-        table.attrs["units"] = {name: unit.rstrip("]") for name, _, unit in names}
-        whole = not set(UNITS) - set(table.columns) and len(table) > 0 and bool((table["time"].diff()[1:] > 0.0).all())
-        if not whole or (self.rows and not table["time"].iloc[-1] >= self.rows[-1].time):
-            raise self._unreadable(history_file.NAME, "a part of it is missing")
+        table = pandas.DataFrame(self.columns)
+        table.attrs["units"] = dict(UNITS)
         return table
 
     @functools.cached_property
@@ -103,21 +109,25 @@ class Run:
         except CORRUPT as error:
             raise self._unreadable(field_file.NAME, error) from None
 
-    def snapshot(self, time: str | int) -> Snapshot:
+    def snapshot(self, time: str | int, only: Collection[str] | None = None) -> Snapshot:
         """Return the fields at a time such as "20 us", or those of a snapshot by its number (-1: the last).
+
+        Args:
+            time: which snapshot.
+            only: names of the fields to read, by default all; those that the run does not have are left out.
 
         Raises:
             InputError: the run has no such snapshot.
         """
         number = self._number(time) if isinstance(time, str) else self._counted(time)
         try:
-            fields = field_file.read(self._file(field_file.NAME), number)
+            fields = field_file.read(self._file(field_file.NAME), number, only)
         except CORRUPT as error:
             raise self._unreadable(field_file.NAME, error) from None
-        missing = [name for name in ALWAYS if name not in fields]
+        missing = [name for name in ALWAYS if name not in fields and (only is None or name in only)]
         if missing:
             raise self._unreadable(field_file.NAME, f"it has no {missing[0]}")
-        if len(fields["position"].values) != len(self.body.position):
+        if any(len(field.values) != len(self.body.position) for field in fields.values() if field.on == "points"):
             raise self._unreadable(field_file.NAME, f"its points are not those of {CASE}")
         return Snapshot(float(self.times[number]), fields)
 

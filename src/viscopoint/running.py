@@ -3,6 +3,7 @@
 import contextlib
 import shutil
 import weakref
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import mkdtemp
 
@@ -20,7 +21,13 @@ MOST_STEPS = 100_000_000
 
 
 def run(
-    case: Case, out: str | Path | None = None, *, force: bool = False, figures: bool = True, watch: Watch | None = None
+    case: Case,
+    out: str | Path | None = None,
+    *,
+    force: bool = False,
+    figures: bool = True,
+    watch: Watch | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> Run:
     """Simulate a case and return its run folder, opened.
 
@@ -30,6 +37,7 @@ def run(
         force: replace a run folder that is already there.
         figures: draw the figures too.
         watch: called with the share done and the ledger's newest row, after each row.
+        tell: called with words for what begins, before anything that may take long.
 
     Returns:
         The run. Look at its ``status``: a run that a guard stopped, or Ctrl-C, is returned as far as it went.
@@ -40,6 +48,8 @@ def run(
     """
     if out is not None:
         check_free(Path(out), force, needed=case.method.files())  # before anything takes time
+    tell = tell or _keep_silent
+    tell("building the model")
     model = build(case)
     _bound_steps(model)
     folder = Path(mkdtemp(prefix="viscopoint-") if out is None else out)
@@ -47,22 +57,30 @@ def run(
     with disk_faults(folder):
         made = provenance()
         write_json(folder / PROVENANCE, made)
-        _write_summary(folder, Summary.of_start(model.body))
+        summary = Summary.of_start(model.body)
+        _write_summary(folder, summary)
         kept = case.resolved()
         kept = kept.model_copy(update={"method": kept.method.kept_in(folder)})
         write_text(folder / CASE, kept.to_toml())
         with contextlib.ExitStack() as stack:
             writers = [stack.enter_context(contextlib.closing(make(folder, model.body))) for make in WRITERS]
+            tell("starting; the first time this compiles")
             simulation = Simulation(model, writers, watch)
             outcome = simulation.run()
-        _write_summary(folder, Summary.of(outcome, simulation.ledger.start.kinetic, model.body))
+        _write_summary(folder, summary.ended(outcome, simulation.ledger.start.kinetic))
         write_json(folder / PROVENANCE, made | {"ended": now()})
         result = Run(folder)
+        result.body = model.body  # not made again
         if out is None:
             weakref.finalize(result, shutil.rmtree, folder, ignore_errors=True)
         if figures and outcome.rows:
+            tell("drawing figures")
             result.draw()
         return result
+
+
+def _keep_silent(words: str) -> None:
+    """Take words that nobody wants to read."""
 
 
 def _write_summary(folder: Path, results: Summary) -> None:

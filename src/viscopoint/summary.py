@@ -56,25 +56,22 @@ class Summary(BaseModel):
         mesh = MeshQuality(**quality(body.position, body.cells)._asdict()) if len(body.cells) else None
         return cls(status="running", points=len(body.position), elements=len(body.cells), mesh=mesh)
 
-    @classmethod
-    def of(cls, outcome: Outcome, initial_energy: float, body: Body) -> "Summary":
-        """Return the summary of a run that ended."""
-        start = cls.of_start(body)
-        return cls(
-            status=outcome.status,
-            reason=outcome.reason,
-            points=start.points,
-            elements=start.elements,
-            mesh=start.mesh,
-            steps=outcome.steps,
-            wall_time=outcome.wall_time,
-            initial_energy=initial_energy,
-            energy_error=100.0 * outcome.energy_error,
-            momentum_error=outcome.momentum_error,
-            snapshots=[
-                {name: value if math.isfinite(value) else None for name, value in row._asdict().items()}
-                for row in outcome.rows
-            ],
+    def ended(self, outcome: Outcome, initial_energy: float) -> "Summary":
+        """Return the summary of the run when it has ended."""
+        return self.model_copy(
+            update={
+                "status": outcome.status,
+                "reason": outcome.reason,
+                "steps": outcome.steps,
+                "wall_time": outcome.wall_time,
+                "initial_energy": initial_energy,
+                "energy_error": 100.0 * outcome.energy_error,
+                "momentum_error": outcome.momentum_error,
+                "snapshots": [
+                    {name: value if math.isfinite(value) else None for name, value in row._asdict().items()}
+                    for row in outcome.rows
+                ],
+            }
         )
 
     def rows(self) -> list[Row]:

@@ -17,8 +17,11 @@ COLUMNS = (
 
 
 @contextlib.contextmanager
-def progress(begin: str) -> Iterator[Callable[[float, str], None]]:
-    """Show a bar with the time left on a terminal, and nothing elsewhere; yield what takes share done and words."""
+def progress(begin: str) -> Iterator[Callable[[float | None, str], None]]:
+    """Show a bar with the time left on a terminal, and nothing elsewhere.
+
+    Yields what takes the share done, or None where it stays, and words for what goes on.
+    """
     screen = Console(stderr=True)
     if not screen.is_terminal:
         yield _unseen
@@ -26,13 +29,13 @@ def progress(begin: str) -> Iterator[Callable[[float, str], None]]:
     with Progress(*COLUMNS, console=screen, transient=True) as bar:
         task = bar.add_task(begin, total=1.0)
 
-        def show(share: float, going_on: str) -> None:
+        def show(share: float | None, going_on: str) -> None:
             bar.update(task, completed=share, description=going_on)
 
         yield show
 
 
-def _unseen(share: float, going_on: str) -> None:
+def _unseen(share: float | None, going_on: str) -> None:
     """Take progress that nobody sees."""
 
 

@@ -23,7 +23,7 @@ def velocity_after_impact(package: Path, material: str, place: Path) -> float:
     changes["material"] = f"{{{material}}}"
     settings = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
     command = [sys.executable, "-m", "viscopoint", "run", "paper", "--out", str(place / "run"), "--no-figures"]
-    environment = os.environ | {"PYTHONPATH": str(package.parent), "XDG_CACHE_HOME": str(place / "cache")}
+    environment = os.environ | {"PYTHONPATH": str(package.parent), "VISCOPOINT_CACHE": str(place / "cache")}
     done = subprocess.run([*command, *settings, "--force"], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads((place / "run" / "summary.json").read_text())["snapshots"][-1]["velocity"]

@@ -3,9 +3,16 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
+from typing import Any
+
+import pytest
+from numba.core.caching import IndexDataCacheFile
 
 import viscopoint
+from viscopoint import jit
 
 PACKAGE = Path(viscopoint.__file__).parent
 
@@ -39,11 +46,22 @@ def test_no_kernel_stores_through_an_attribute():
     assert lost == []
 
 
-def run_python(code: str, package: Path, cache: Path) -> str:
-    """Run code in a new process on a copy of the package, with its own cache folder."""
-    environment = os.environ | {"PYTHONPATH": str(package.parent), "XDG_CACHE_HOME": str(cache)}
-    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    return done.stdout
+def python(code: str, package: Path, **settings: Path) -> subprocess.Popen[str]:
+    """Start code in a new process on a copy of the package, with settings of its own."""
+    environment = {key: value for key, value in os.environ.items() if key != "VISCOPOINT_CACHE"}
+    environment |= {"PYTHONPATH": str(package.parent), **{key: str(value) for key, value in settings.items()}}
+    return subprocess.Popen([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True)
+
+
+def told(process: subprocess.Popen[str]) -> list[str]:
+    """Return the words that a process printed."""
+    out, _ = process.communicate()
+    assert process.returncode == 0
+    return out.split()
+
+
+def run_python(code: str, package: Path, cache: Path) -> list[str]:
+    return told(python(code, package, VISCOPOINT_CACHE=cache))
 
 
 LAW_IN_KERNEL = """
@@ -63,11 +81,74 @@ print(sums[:, 1].sum(), sum(sum_points.stats.cache_hits.values()))
 def test_an_edited_law_is_never_run_stale_and_a_warm_start_compiles_nothing(tmp_path: Path):
     copy = tmp_path / "copy" / "viscopoint"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    cold, hits = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache").split()
+    cold, hits = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
     assert hits == "0"
-    warm, hits = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache").split()
+    warm, hits = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
     assert (warm, hits) == (cold, "1")
     law = copy / "laws" / "__init__.py"
     law.write_text(law.read_text().replace("return bulk * (", "return 2.0 * bulk * ("))
-    edited, _ = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache").split()
+    edited, _ = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
     assert float(edited) == 2.0 * float(cold)
+
+
+def test_processes_that_fill_one_empty_cache_at_once_agree_and_leave_it_whole(tmp_path: Path):
+    both = [python(LAW_IN_KERNEL, PACKAGE, VISCOPOINT_CACHE=tmp_path) for _ in range(2)]
+    (one, _), (other, _) = map(told, both)
+    assert one == other
+    assert run_python(LAW_IN_KERNEL, PACKAGE, tmp_path) == [one, "1"]
+
+
+def twice(x: float) -> float:
+    return x + x
+
+
+def test_code_that_two_save_at_once_for_other_arguments_is_neither_lost_nor_mixed_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):  # fmt: skip
+    monkeypatch.setattr(jit, "cache_folder", lambda: tmp_path)
+    kernel: Any = jit.serial_kernel(twice)
+    assert (kernel(1.0), kernel(1)) == (2.0, 2)
+    shutil.rmtree(tmp_path)
+    tmp_path.mkdir()
+    save, load = IndexDataCacheFile._save_data, IndexDataCacheFile._load_index
+    waits = iter([0.3, 0.0])  # s: both see an empty list, and the first to list its code is the last to write it
+    monkeypatch.setattr(IndexDataCacheFile, "_load_index", lambda file: (load(file), time.sleep(0.2))[0])
+    monkeypatch.setattr(IndexDataCacheFile, "_save_data", lambda *words: (time.sleep(next(waits)), save(*words)))
+    caches = [jit.serial_kernel(twice)._cache for _ in range(2)]  # pyright: ignore[reportFunctionMemberAccess]
+    threads = [
+        threading.Thread(target=cache.save_overload, args=each)
+        for cache, each in zip(caches, kernel.overloads.items(), strict=True)
+    ]
+    for thread in threads:
+        thread.start()
+        time.sleep(0.1)
+    for thread in threads:
+        thread.join()
+    fresh: Any = jit.serial_kernel(twice)
+    assert (fresh(0.5), fresh(2), sum(fresh.stats.cache_hits.values())) == (1.0, 4, 2)
+    assert fresh.signatures == kernel.signatures
+
+
+def test_kernels_are_kept_elsewhere_where_neither_package_nor_home_can_be_written(tmp_path: Path):
+    copy, blocked, place = tmp_path / "copy" / "viscopoint", tmp_path / "blocked", tmp_path / "temporary"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    blocked.touch()  # a file, in which nobody makes a folder, whatever the rights
+    place.mkdir()
+    before = sorted(copy.rglob("*"))
+    settings = {"HOME": blocked, "XDG_CACHE_HOME": blocked, "VISCOPOINT_CACHE": blocked, "TMPDIR": place}
+    cold, hits = told(python(LAW_IN_KERNEL, copy, PYTHONDONTWRITEBYTECODE=Path("1"), **settings))
+    assert (sorted(copy.rglob("*")), hits) == (before, "0")
+    assert told(python(LAW_IN_KERNEL, copy, PYTHONDONTWRITEBYTECODE=Path("1"), **settings)) == [cold, "1"]
+
+
+def test_code_of_sources_that_nobody_ran_for_long_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("VISCOPOINT_CACHE", str(tmp_path))
+    old, recent, other = tmp_path / f"kernels-{16 * 'a'}", tmp_path / f"kernels-{16 * 'b'}", tmp_path / "kernels-mine"
+    for folder in (old, recent, other):
+        folder.mkdir()
+        (folder / "code").touch()
+    for folder in (old, other):
+        os.utime(folder, (0.0, time.time() - 1.1 * jit.UNUSED))
+    used = jit.cache_folder.__wrapped__()
+    assert used.parent == tmp_path
+    assert sorted(tmp_path.iterdir()) == sorted([recent, other, used])

@@ -30,7 +30,7 @@ def test_elements_are_near_cubes_at_every_fineness(fineness: float):
     found = quality(body.position, body.cells)
     assert found.least_jacobian > 0.7
     assert found.greatest_aspect < 3.0
-    assert jacobians(body.position, body.cells, 0.0, 0.0, 0.0).min() > 0.0
+    assert jacobians(body.position[body.cells], 0.0, 0.0, 0.0).min() > 0.0
 
 
 @pytest.mark.parametrize("fineness", [1.0, 2.5, 10.0])

@@ -25,6 +25,19 @@ def test_snapshots_are_hit_exactly(finished: Path):
         run.snapshot(99)
 
 
+def test_a_snapshot_reads_only_the_fields_that_are_wanted(finished: Path):
+    run = vp.Run(finished)
+    some, whole = run.snapshot(-1, only=("position", "stress", "deleted")), run.snapshot(-1)
+    assert set(some.fields) == {"position", "stress"}  # material points are never deleted
+    assert all(np.array_equal(some[name], whole[name]) for name in some.fields)
+
+
+def test_a_run_tells_what_it_begins(quick: vp.Case):
+    told: list[str] = []
+    vp.run(quick, tell=told.append)
+    assert [words.split()[0] for words in told] == ["building", "starting;", "drawing"]
+
+
 def test_history_has_a_unit_for_every_column(finished: Path):
     header = (finished / "history.csv").read_text().splitlines()[0]
     assert header.startswith("time [ms],step [1],time_step [ms],length [mm]")

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from viscopoint.units import parse
+from viscopoint.units import USUAL, converted, parse
 
 
 @pytest.mark.parametrize(
@@ -25,6 +25,12 @@ from viscopoint.units import parse
 )
 def test_quantities_convert_to_g_mm_ms(text: str, unit: str, value: float):
     assert parse(text, unit) == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(("symbol", "unit"), USUAL)
+def test_usual_units_are_to_the_last_bit_what_pint_makes_of_them(symbol: str, unit: str):
+    for number in (1.0, 3.0, 0.38, 25.4, 1e-9, 123456.7):
+        assert parse(f"{number!r} {symbol}", unit) == converted(number, symbol, unit)
 
 
 def test_internal_units_are_consistent():

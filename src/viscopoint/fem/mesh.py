@@ -32,7 +32,6 @@ class Form(NamedTuple):
 
     edges: tuple[tuple[int, int], ...]  # corners that an edge joins
     point_volumes: Callable[[Array, Indices], Array]  # that each integration point of a full rule stands for, mm^3
-    node_volumes: Callable[[Array, Indices], Array]  # that each node stands for, mm^3
     scaled_jacobians: Callable[[Array, Indices], Array]  # 1 for a brick, 0 where an element degenerates
     held: Callable[[Array], NDArray[np.uint8]]  # of positions: bit a where a node cannot move along axis a
     moving: tuple[float, float, float]  # 1 for the axes along which the whole body has a momentum, 0 for the others
@@ -42,15 +41,22 @@ def slabs(position: Array, corner: Indices) -> Slabs:
     """Sort elements into slabs by their distance, in elements, from the lowest nodes."""
     level = np.full(len(corner), -1)
     reached = np.zeros(len(position), bool)
+    around = _elements_around(corner, len(position))
     height = position[:, 2]
-    deepest = 0
-    while (rest := level < 0).any():
-        found = rest & reached[corner].any(axis=1)
-        if not found.any():  # the start, or another body
-            foot = height[corner[rest]].min()
-            found = rest & (height[corner] <= foot + 1e-9 * np.ptp(height)).any(axis=1)
+    newly, deepest = np.empty(0, np.int64), 0  # nodes of the level before
+    while True:
+        found = around(newly)
+        found = np.unique(found[level[found] < 0])
+        if not len(found):  # the start, or another body
+            rest = np.flatnonzero(level < 0)
+            if not len(rest):
+                break
+            low = height[corner[rest]].min(axis=1)
+            found = rest[low <= low.min() + 1e-9 * np.ptp(height)]
         level[found] = deepest
-        reached[corner[found]] = True
+        newly = np.unique(corner[found])
+        newly = newly[~reached[newly]]
+        reached[newly] = True
         deepest += 1
     return Slabs(
         np.argsort(level, kind="stable").astype(np.uint64),
@@ -58,19 +64,32 @@ def slabs(position: Array, corner: Indices) -> Slabs:
     )
 
 
+def _elements_around(corner: Indices, count: int) -> Callable[[Indices], Indices]:
+    """Return a function from nodes, of ``count``, to the elements that touch them, those of several nodes repeated."""
+    element = np.argsort(corner.ravel(), kind="stable") // corner.shape[1]
+    many = np.bincount(corner.ravel(), minlength=count)
+    first = np.cumsum(many) - many
+
+    def around(nodes: Indices) -> Indices:
+        here = many[nodes]
+        return element[np.repeat(first[nodes] - (np.cumsum(here) - here), here) + np.arange(here.sum())]
+
+    return around
+
+
 def shape_functions(xi: float, eta: float, zeta: float) -> Array:
     """Return the eight N at a place in the element."""
     return (1 + XI * xi) * (1 + ETA * eta) * (1 + ZETA * zeta) / 8
 
 
-def jacobians(position: Array, corner: Indices, xi: float, eta: float, zeta: float) -> Array:
-    """Return det ∂x/∂ξ of each element at a place in it."""
+def jacobians(x: Array, xi: float, eta: float, zeta: float) -> Array:
+    """Return det ∂x/∂ξ of elements with corners at ``x[e, 8, 3]``, at a place in them."""
     slopes = [
         XI * (1 + ETA * eta) * (1 + ZETA * zeta) / 8,
         ETA * (1 + XI * xi) * (1 + ZETA * zeta) / 8,
         ZETA * (1 + XI * xi) * (1 + ETA * eta) / 8,
     ]
-    along = [np.einsum("k,ekd->ed", slope, position[corner]) for slope in slopes]
+    along = [np.einsum("k,ekd->ed", slope, x) for slope in slopes]
     return np.einsum("ed,ed->e", along[0], np.cross(along[1], along[2]))
 
 
@@ -84,7 +103,8 @@ def gauss_places() -> list[tuple[float, float, float]]:
 
 def point_volumes(position: Array, corner: Indices) -> Array:
     """Return the volume that each of an element's 2 x 2 x 2 points stands for, ``[e, 8]`` [mm^3]."""
-    return np.column_stack([jacobians(position, corner, *place) for place in gauss_places()])
+    x = position[corner]
+    return np.column_stack([jacobians(x, *place) for place in gauss_places()])
 
 
 def node_volumes(position: Array, corner: Indices) -> Array:
@@ -127,11 +147,19 @@ def free(position: Array) -> NDArray[np.uint8]:
     return np.zeros(len(position), np.uint8)
 
 
-HEXAHEDRA = Form(EDGES, point_volumes, node_volumes, scaled_jacobians, free, (1.0, 1.0, 1.0))
+HEXAHEDRA = Form(EDGES, point_volumes, scaled_jacobians, free, (1.0, 1.0, 1.0))
 
 
 def outer_faces(corner: Indices) -> Indices:
     """Return the quadrilaterals that belong to one element only, ``[f, 4]`` nodes counted from outside."""
     faces = np.concatenate([corner[:, face] for face in FACES])
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[np.sort(first[count == 1])]
+    a, b, c, d = np.sort(faces, axis=1).T
+    count = int(corner.max(initial=0)) + 1
+    one, other = a * count + b, c * count + d
+    order = np.lexsort((other, one))
+    one, other = one[order], other[order]
+    differs = (one[1:] != one[:-1]) | (other[1:] != other[:-1])
+    alone = np.ones(len(order), bool)
+    alone[1:] &= differs
+    alone[:-1] &= differs
+    return faces[np.sort(order[alone])]

@@ -60,7 +60,7 @@ class FiniteElementMethod:
         self.form = form_of(body.cells)
         volume = self.form.point_volumes(body.position, body.cells)
         volume = volume if self.element.points > 1 else volume.sum(axis=1, keepdims=True)
-        self.nodes: Nodes = nodes_at_rest(body.position, body.cells, law.density)
+        self.nodes: Nodes = nodes_at_rest(body, law.density)
         self.elements: Elements = elements_at_rest(body.cells, volume, len(self.blank), self.element.memory)
         self.slabs = slabs(body.position, body.cells)
         self.wall = NO_WALL

@@ -55,7 +55,6 @@ def on_the_axis(position: Array) -> NDArray[np.uint8]:
 QUADRILATERALS = Form(
     edges=EDGES,
     point_volumes=point_volumes,
-    node_volumes=node_volumes,
     scaled_jacobians=scaled_jacobians,
     held=on_the_axis,
     moving=(0.0, 0.0, 1.0),

@@ -7,6 +7,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from viscopoint.arrays import Array, Indices
+from viscopoint.body import Body
 from viscopoint.fem.forms import form_of
 from viscopoint.jit import kernel
 from viscopoint.laws import History, stored_energy
@@ -44,15 +45,15 @@ class Elements(NamedTuple):
     hourglass_work: Array  # [e], taken by the hourglass control, mJ
 
 
-def nodes_at_rest(position: Array, corner: Indices, density: float) -> Nodes:
+def nodes_at_rest(body: Body, density: float) -> Nodes:
     """Return the nodes of a mesh with their share of its mass."""
-    count, form = len(position), form_of(corner)
+    count = len(body.position)
     return Nodes(
-        position=position.copy(),
+        position=body.position.copy(),
         velocity=np.zeros((count, 3)),
         force=np.zeros((count, 3)),
-        mass=density * form.node_volumes(position, corner),
-        fixed=form.held(position),
+        mass=density * body.volume,
+        fixed=form_of(body.cells).held(body.position),
         pressed=np.zeros(count, np.uint8),
     )
 

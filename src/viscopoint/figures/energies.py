@@ -21,16 +21,19 @@ TERMS = {
 @offer("energies")
 def energies(run: Run) -> Figure:
     """Draw the terms that are not always zero, and below what the method itself lost or gained."""
-    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
-    axis, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    history = run.history
-    initial = float(history["kinetic"].iloc[0])
+    figure = Figure(figsize=(8.0, 6.0))
+    room = {"left": 0.125, "right": 0.985, "bottom": 0.085, "top": 0.875, "hspace": 0.1}
+    axis, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1), gridspec_kw=room)
+    history = run.columns
+    initial = history["kinetic"][0]
     for column, label in TERMS.items():
         share = 100.0 * history[column] / initial
-        if bool((share != 0.0).any()):
+        if (share != 0.0).any():
             axis.plot(history["time"] * 1e3, share, label=label)
     below.plot(history["time"] * 1e3, 100.0 * history["numerical"] / initial, color="0.2")
     axis.set(ylabel="% of the initial kinetic energy")
     below.set(xlabel="time (µs)", ylabel="numerical\nremainder (%)")
-    figure.legend(ncols=3, loc="outside upper center")
+    for each in (axis, below):
+        each.yaxis.set_label_coords(-0.09, 0.5)
+    figure.legend(ncols=3, loc="upper center")
     return figure

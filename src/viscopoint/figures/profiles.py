@@ -16,7 +16,7 @@ def profiles(run: Run) -> Figure:
     numbers = chosen(run)
     colours = matplotlib.colormaps[COLOURS](np.linspace(0.0, 0.9, len(numbers)))
     for number, colour in zip(numbers, colours, strict=True):
-        snapshot = run.snapshot(number)
+        snapshot = run.snapshot(number, only=("position", "lost"))
         height, radius = run.profile(snapshot)
         outline = np.concatenate([height, height[::-1]]), np.concatenate([radius, -radius[::-1]])
         axis.plot(*outline, color=colour, label=f"{snapshot.time * 1e3:g} µs")

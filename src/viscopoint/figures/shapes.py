@@ -13,39 +13,56 @@ from viscopoint.figures import COLOURS, chosen, discs, faces, halves, offer
 from viscopoint.results import Run, Snapshot
 
 TILT = np.radians(15.0)  # the camera looks down on the rod by this angle
+SEEN = ("position", "velocity", "lost", "deleted")  # the fields that pictures take
 WIDTH, LEAST, HIGHEST = 1.25, 1.6, 3.4  # of one picture, and its bounds in height, inches
+LEFT, RIGHT, TOP, BELOW, GAP = 0.65, 1.2, 0.35, 0.5, 0.35  # room for words around and between the pictures, inches
 
 
 @offer("shapes")
 def shapes(run: Run) -> Figure:
     """Draw snapshots side by side."""
-    snapshots = [run.snapshot(number) for number in chosen(run)]
-    speeds = [snapshot["velocity"][snapshot["lost"] == 0, 2] for snapshot in snapshots]
-    colours = Normalize(min(v.min(initial=0.0) for v in speeds), max(v.max(initial=0.0) for v in speeds))
-    there = np.concatenate([snapshot["position"][snapshot["lost"] == 0] for snapshot in snapshots])
-    reach = 1.1 * float(np.abs(there[:, :2]).max())
-    low, top = -np.sin(TILT) * reach, float(there[:, 2].max()) + np.tan(TILT) * reach
-
+    numbers, colours = chosen(run), Normalize()
+    figure = Figure()
+    axes = figure.subplots(2, len(numbers), sharex=True, squeeze=False)
+    # one at a time: all snapshots of millions of points would not fit into memory
+    slow, fast, reach, highest = np.transpose([
+        _draw(column, run, run.snapshot(number, only=SEEN), colours)
+        for column, number in zip(axes.T, numbers, strict=True)
+    ])  # fmt: skip
+    colours.vmin, colours.vmax = slow.min(), fast.max()
+    reach = 1.1 * float(reach.max())
+    low, top = -np.sin(TILT) * reach, float(highest.max()) + np.tan(TILT) * reach
     height = np.clip(WIDTH * (top - low) / (2.0 * reach), LEAST, HIGHEST)  # of one picture
-    figure = Figure(figsize=(1.2 + 1.7 * len(snapshots), 1.2 + 2.0 * height), layout="constrained")
-    axes = figure.subplots(2, len(snapshots), sharex=True, squeeze=False)
-    for column, snapshot in zip(axes.T, snapshots, strict=True):
-        _draw(column, run, snapshot, colours)
-        for axis in column:
-            axis.set(xlim=(-reach, reach), ylim=(low, top), aspect="equal")
-            axis.grid(False)
-    axes[0, 0].set_ylabel("from outside,\nlooking down a little")
+    wide = LEFT + len(numbers) * (WIDTH + GAP) - GAP + RIGHT
+    tall = TOP + 2.0 * height + GAP + BELOW
+    figure.set_size_inches(wide, tall)
+    # by hand, as everything has its known place: to find room by drawing all twice takes as long as drawing
+    figure.subplots_adjust(
+        left=LEFT / wide, right=1.0 - RIGHT / wide, bottom=BELOW / tall, top=1.0 - TOP / tall,
+        wspace=GAP / WIDTH, hspace=GAP / height,
+    )  # fmt: skip
+    for axis in axes.flat:
+        axis.set(xlim=(-reach, reach), ylim=(low, top), aspect="equal")
+        axis.grid(False)
     for axis in axes[0]:
-        axis.tick_params(left=False, labelleft=False)  # a height in this view is none of the rod
+        axis.set_yticks([])  # a height in this view is none of the rod
         axis.spines["left"].set_visible(False)
+    for axis in axes[1, 1:]:
+        axis.tick_params(labelleft=False)
+    axes[0, 0].set_ylabel("from outside,\nlooking down a little")
     axes[1, 0].set_ylabel("cut open, z (mm)")
     scale = ScalarMappable(colours, COLOURS)
-    figure.colorbar(scale, ax=axes, label="axial velocity (m/s)", shrink=0.6)
+    place = (1.0 - (RIGHT - GAP) / wide, 0.25, 0.2 / wide, 0.5)
+    figure.colorbar(scale, cax=figure.add_axes(place), label="axial velocity (m/s)").ax.grid(False)
     return figure
 
 
-def _draw(axes: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> None:
-    """Draw one snapshot: from outside above, cut open below."""
+def _draw(axes: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> tuple[float, float, float, float]:
+    """Draw one snapshot: from outside above, cut open below.
+
+    Returns:
+        The lowest and highest axial velocity [m/s] and how far the points reach from the axis and upwards [mm].
+    """
     look = faces if len(run.body.cells) else discs
     above, below = axes
     if in_half_plane(run.body):
@@ -59,6 +76,12 @@ def _draw(axes: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> None:
     above.set_title(f"{snapshot.time * 1e3:g} µs")
     below.set_xlabel("x (mm)")
     below.axhline(-run.case.impact.gap, color="0.3", linewidth=1.0)
+    there = snapshot["lost"] == 0
+    speed, place = snapshot["velocity"][there, 2], snapshot["position"][there]
+    return (
+        speed.min(initial=0.0), speed.max(initial=0.0),
+        np.abs(place[:, :2]).max(initial=0.0), place[:, 2].max(initial=-np.inf),
+    )  # fmt: skip
 
 
 def seen(position: Array, tilt: float) -> Array:

@@ -8,7 +8,7 @@ counts (``NSteps``) only when all of it is there.
 import errno
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
 KINDS = {1: 1, 4: 9, 8: 12}  # VTK's cell types by the number of corners: vertex, quadrilateral, hexahedron
 DATA = {"points": "PointData", "cells": "CellData"}
-CHUNK = 16_384  # rows compressed together
+CHUNK = 16_384  # greatest number of rows compressed together
 RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
 
 
@@ -112,11 +112,12 @@ def _whole(group: Any, name: str, values: NDArray[Any]) -> None:
 
 
 def _growing(group: Any, name: str, field: Field) -> None:
-    """Create an empty dataset for a field's rows."""
-    rest = field.values.shape[1:]
+    """Create an empty dataset for a field's rows, in equal parts: one that snapshots share is compressed for each."""
+    count, rest = max(len(field.values), 1), field.values.shape[1:]
+    rows = -(-count // -(-count // CHUNK))
     dataset = group.create_dataset(
         name, (0, *rest), field.values.dtype,
-        maxshape=(None, *rest), chunks=(CHUNK, *rest), compression="gzip", compression_opts=1, shuffle=True,
+        maxshape=(None, *rest), chunks=(rows, *rest), compression="gzip", compression_opts=1, shuffle=True,
     )  # fmt: skip
     dataset.attrs["unit"] = field.unit
 
@@ -139,8 +140,8 @@ def times(path: Path) -> NDArray[np.float64]:
         return steps["Values"][: int(steps.attrs["NSteps"])]
 
 
-def read(path: Path, number: int) -> dict[str, Field]:
-    """Return all fields of a snapshot, by its number."""
+def read(path: Path, number: int, only: Collection[str] | None = None) -> dict[str, Field]:
+    """Return all fields of a snapshot, by its number, or ``only`` some, as far as they are there."""
     with _opened(path, "r") as file:
         root = file["VTKHDF"]
         counts = {"points": int(root["NumberOfPoints"][0]), "cells": int(root["NumberOfCells"][0])}
@@ -151,8 +152,15 @@ def read(path: Path, number: int) -> dict[str, Field]:
                 raise ValueError(f"{dataset.name} is cut off")
             return Field(values, str(dataset.attrs["unit"]), on)
 
-        fields = {"position": rows(root["Points"], int(root["Steps/PointOffsets"][number]), "points")}
+        def wanted(name: str) -> bool:
+            return only is None or name in only
+
+        fields = {}
+        if wanted("position"):
+            fields["position"] = rows(root["Points"], int(root["Steps/PointOffsets"][number]), "points")
         for on, group in DATA.items():
             offsets = root[f"Steps/{group}Offsets"]
-            fields |= {name: rows(data, int(offsets[name][number]), on) for name, data in root[group].items()}
+            fields |= {
+                name: rows(data, int(offsets[name][number]), on) for name, data in root[group].items() if wanted(name)
+            }
         return fields

@@ -4,6 +4,9 @@ import csv
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from viscopoint.body import Body
 from viscopoint.ledger import UNITS, Row
 from viscopoint.method import Field
@@ -29,3 +32,16 @@ class History:
 
     def close(self) -> None:
         self.file.close()
+
+
+def read(path: Path) -> dict[str, NDArray[np.float64]]:
+    """Return the columns of a file by name; raise ``ValueError`` if it is none of ours, or damaged."""
+    with path.open(newline="", encoding="utf-8") as file:
+        names = [heading.partition(" [")[0] for heading in next(csv.reader(file), [])]
+        lines = file.readlines()
+    if not lines:
+        raise ValueError("no rows")
+    rows = np.loadtxt(lines, delimiter=",", ndmin=2)
+    if rows.shape[1] != len(names):
+        raise ValueError(f"{len(names)} headings over {rows.shape[1]} columns")
+    return dict(zip(names, rows.T, strict=True))

@@ -27,10 +27,13 @@ class Nodes(NamedTuple):
 def nodes_at_rest(position: Array, mass: Array, foot: float, height: float) -> Nodes:
     """Return nodes without velocity; those at z = ``foot`` are the body's foot, the next ones ``height`` above."""
     count = len(position)
-    index = {tuple(place): n for n, place in enumerate(np.round(position / height, 6).tolist())}
+    rounded = np.round(position / height, 6)
+    feet = np.flatnonzero(np.abs(position[:, 2] - foot) < 1e-6 * height)
+    next_up = np.round((position[feet] + [0.0, 0.0, height]) / height, 6)
+    level = np.flatnonzero(np.isin(rounded[:, 2], next_up[:, 2]))
+    index = {tuple(place): n for n, place in zip(level.tolist(), rounded[level].tolist(), strict=True)}
     above = np.full(count, -1)
-    for n in np.flatnonzero(np.abs(position[:, 2] - foot) < 1e-6 * height):
-        above[n] = index.get(tuple(np.round((position[n] + [0.0, 0.0, height]) / height, 6).tolist()), -1)
+    above[feet] = [index.get(tuple(place), -1) for place in next_up.tolist()]
     return Nodes(
         position=position.copy(),
         velocity=np.zeros((count, 3)),

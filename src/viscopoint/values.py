@@ -12,6 +12,7 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.cpython.unsafe.tuple import tuple_setitem
 from numba.extending import (
     intrinsic,
     lower_builtin,
@@ -223,3 +224,13 @@ def _pick(context: Any, values: Any, n: Any) -> Any:
 @overload(pick, **ATTRIBUTES)
 def _pick_one(values: Any, n: Any) -> Any:
     return lambda values, n: _pick(values, n)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+
+
+def replaced(values: tuple[float, ...], n: int, value: float) -> tuple[float, ...]:
+    """Return the numbers with the n-th replaced."""
+    return (*values[:n], value, *values[n + 1 :])
+
+
+@overload(replaced, **ATTRIBUTES)
+def _replace_one(values: Any, n: Any, value: Any) -> Any:
+    return lambda values, n, value: tuple_setitem(values, n, value)  # pyright: ignore[reportCallIssue]

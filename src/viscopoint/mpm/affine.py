@@ -2,14 +2,13 @@
 
 from typing import Any
 
-from numba.cpython.unsafe.tuple import tuple_setitem
-
 from viscopoint.arrays import Array
 from viscopoint.jit import inline
 from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.shapes import Weights
 from viscopoint.mpm.support import Support, pull_in, sampled_with_gradient, spread, spread_gradient
 from viscopoint.tensors import Lanes, Matrix, Sym
+from viscopoint.values import replaced
 
 
 @inline
@@ -46,7 +45,7 @@ def leverage(weights: Weights) -> Weights:
     """Return N (x_i - x_p) along one axis, in cells."""
     place, turning = middle(weights), weights
     for a in range(len(weights)):
-        turning = tuple_setitem(turning, a, weights[a] * (a - place))  # pyright: ignore[reportCallIssue]
+        turning = replaced(turning, a, weights[a] * (a - place))
     return turning
 
 

@@ -1,4 +1,8 @@
-"""The array types of the package."""
+"""The array types of the package.
+
+Kernels compute in double, whatever they read: rows go through ``rows.load``, ``tensors.read`` or a workspace, single
+numbers through ``numpy.float64`` where another one in single meets them (``float`` leaves single as it is in kernels).
+"""
 
 from typing import Any
 
@@ -8,3 +12,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Rows = NDArray[Any]
+Real = type[Any]  # one of ``PRECISIONS``
+
+PRECISIONS: dict[str, Real] = {"double": np.float64, "single": np.float32}  # of what points and elements keep

@@ -23,7 +23,7 @@ from viscopoint.tlmpm.inputs import TotalLagrangianInput
 LONGEST_FILE = 1_000_000  # bytes
 RECOMMENDED, RADIUS_IN_SPACINGS = "tlmpm", 10.0  # the method of a case that names none
 SECONDARY = ("misfit", "default_factory_not_called")  # told by ``broken``; made by another fault
-SHARED = {"bulk_viscosity", "geometry"}  # keys of [method] that another method takes over
+SHARED = {"bulk_viscosity", "geometry", "precision"}  # keys of [method] that another method takes over
 
 
 def _materials(base: type[Material] = Material) -> Iterator[type[Material]]:

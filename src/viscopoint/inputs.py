@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from viscopoint.arrays import PRECISIONS
 from viscopoint.errors import nearest
 from viscopoint.rules import rule
 from viscopoint.units import Duration, Gap, Instant, Length, Speed
@@ -62,6 +63,7 @@ class MethodInput(Table):
     """The ``[method]`` table; each method derives its own, with ``name: Literal["its-name"]``."""
 
     bulk_viscosity: BulkViscosityInput = BulkViscosityInput()
+    precision: one_of(PRECISIONS) = "double"  # pyright: ignore[reportInvalidTypeForm]
 
     @abstractmethod
     def resolution(self) -> float:

@@ -12,7 +12,7 @@ from viscopoint.jit import INLINED
 
 
 def load(row: Array, blank: tuple[float, ...]) -> tuple[float, ...]:
-    """Return a row of values as a tuple as long as ``blank``, a length that kernels know when compiled."""
+    """Return a row of values, in double, as a tuple as long as ``blank``, a length that kernels know when compiled."""
     return tuple(row[: len(blank)])
 
 
@@ -24,10 +24,11 @@ def store(row: Array, values: tuple[float, ...]) -> None:
 @intrinsic
 def _load(context: Any, row: Any, blank: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        parts = [builder.load(place) for place in _places(context, builder, signature, values, len(blank))]
+        places = _places(context, builder, signature, values, len(blank))
+        parts = [context.cast(builder, builder.load(place), row.dtype, types.float64) for place in places]
         return context.make_tuple(builder, signature.return_type, parts)
 
-    return types.UniTuple(row.dtype, len(blank))(row, blank), lower
+    return types.UniTuple(types.float64, len(blank))(row, blank), lower
 
 
 @intrinsic

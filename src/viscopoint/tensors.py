@@ -9,6 +9,7 @@ import operator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import types
 
 from viscopoint.jit import inline
@@ -141,8 +142,9 @@ def product(a: Vec, b: Vec) -> Vec:
 
 @inline
 def read_vector(row: Any) -> Vec:
-    """Read a vector from the first three values of an array row."""
-    return Vec(row[0], row[1], row[2])
+    """Read a vector, in double, from the first three values of an array row."""
+    real = np.float64
+    return Vec(real(row[0]), real(row[1]), real(row[2]))
 
 
 @inline
@@ -287,8 +289,9 @@ def spun(a: Sym, x: float, y: float, z: float) -> Sym:
 
 @inline
 def read(row: Any) -> Sym:
-    """Read a tensor from the six values of an array row or a tuple."""
-    return Sym(row[0], row[1], row[2], row[3], row[4], row[5])
+    """Read a tensor, in double, from the six values of an array row or a tuple."""
+    real = np.float64
+    return Sym(real(row[0]), real(row[1]), real(row[2]), real(row[3]), real(row[4]), real(row[5]))
 
 
 @inline

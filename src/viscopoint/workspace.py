@@ -14,7 +14,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
-from viscopoint.jit import INLINED
+from viscopoint.jit import INLINED, inline
 
 BLOCK = 64  # points
 ROW = BLOCK + 8  # numbers from one row to the next: powers of two would share few lines of the cache
@@ -110,6 +110,12 @@ def workspace(blank: tuple[float, ...]) -> Any:
 def keep(work: Any, column: int, i: int, value: Any) -> None:
     """Store a number, or a tuple of numbers, of the block's point i."""
     raise NotImplementedError
+
+
+@inline
+def add(work: Any, column: int, i: int, amount: float) -> None:
+    """Add to a number of the block's point i."""
+    keep(work, column, i, kept(work, column, i, 0.0) + amount)
 
 
 def kept(work: Any, column: int, i: int, like: Any) -> Any:

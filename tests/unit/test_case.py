@@ -89,6 +89,7 @@ def test_units_of_the_same_dimension_are_converted():
         ("material.decay", "650 ms", "wrong dimension"),
         ("material.law", "rubber", "allowed: elastic, elastic-plastic, linear-viscoelastic"),
         ("method.name", "sph", "allowed: fem, mpm"),
+        ("method.precision", "half", '"half" is not known; allowed: double, single'),
         ("method.shape", "round", "allowed: cpgimp, cubic, gimp, quadratic, trilinear"),
         ("method.contact", "glue", "allowed: gated, nodes"),
         ("method.fill", "ring", "did you mean 'rings'"),

@@ -16,6 +16,7 @@ from columns import COURANT, LENGTH, viscoelastic
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from viscopoint.arrays import Real
 from viscopoint.body import Body, Surface
 from viscopoint.fem.elements import Element
 from viscopoint.fem.elements.one_point import OnePoint
@@ -74,12 +75,13 @@ def fem(
     courant: float = COURANT,
     viscosity: tuple[float, float] = (0.0, 0.0),
     delete_below: float = 0.0,
+    real: Real = np.float64,
 ) -> FiniteElementMethod:
     """Return a method whose step is ``courant`` times that of a wave along the shortest edge."""
     safety = (
         courant * quality(body.position, body.cells).smallest_edge / stable_lengths(body.position, body.cells).min()
     )
-    choices = Discretisation(element, float(safety), BulkViscosity(*viscosity), delete_below)
+    choices = Discretisation(element, float(safety), BulkViscosity(*viscosity), delete_below, real)
     return FiniteElementMethod(body, law, boundaries, choices, velocity)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from viscopoint.arrays import PRECISIONS, Real
 from viscopoint.body import Body, Surface
 from viscopoint.laws.elastic import Elastic
 from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
@@ -54,6 +55,7 @@ def viscoelastic(decay: float) -> LinearViscoelastic:
 
 
 ELASTIC = Elastic(DENSITY, BULK, SHEAR_SHORT)
+each_precision = pytest.mark.parametrize("real", PRECISIONS.values(), ids=PRECISIONS.keys())
 
 
 def block(cell: float, x: int, y: int, z: int, per_cell: int = 2) -> Body:
@@ -120,6 +122,7 @@ def rod(
     shape: str = "trilinear",
     volume: str = "local",
     contact: str = "nodes",
+    real: Real = np.float64,
 ) -> MaterialPointMethod:
     """Return a viscoelastic rod of 2 mm radius, or another law or body, ``lift`` above the plane z = 0."""
     body = body or rod_lattice(2.0, HEIGHT, cell / 2)
@@ -127,7 +130,7 @@ def rod(
     fitted, damping = SHAPES[shape].fitted(0.5), BulkViscosity(*viscosity)
     exchange = Flip(pic) if transfer is None else transfer  # some transfers are empty tuples, and so false
     rest = SCHEMES[scheme], exchange, safety, damping, VOLUMES[volume], CONTACTS[contact]
-    choices = Discretisation(cell, box, fitted, *rest)
+    choices = Discretisation(cell, box, fitted, *rest, real=real)
     return MaterialPointMethod(body, law or viscoelastic(65.0), walls, choices, velocity)
 
 

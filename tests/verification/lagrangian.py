@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from columns import COURANT, LENGTH, Array, block, viscoelastic
 
+from viscopoint.arrays import Real
 from viscopoint.body import Body
 from viscopoint.method import Totals
 from viscopoint.mpm.fills import FILLS
@@ -45,10 +46,11 @@ def lagrangian(
     safety: float = 0.9,
     viscosity: tuple[float, float] = (0.0, 0.0),
     lattice: type[Lattice] = Lattice,
+    real: Real = np.float64,
 ) -> TotalLagrangianMethod:
     """Return a method on a body; ``motion`` is the velocity at a place [mm/ms]."""
     choices = Discretisation(
-        cell, SHAPES[shape].fitted(0.5), VOLUMES[volume], safety, BulkViscosity(*viscosity), origin, lattice
+        cell, SHAPES[shape].fitted(0.5), VOLUMES[volume], safety, BulkViscosity(*viscosity), origin, lattice, real
     )
     method = TotalLagrangianMethod(body, law, boundaries, choices, (0.0, 0.0, 0.0))
     method.nodes.velocity[:] = motion(method.reference)

@@ -17,11 +17,13 @@ from columns import (
     advance,
     block,
     column,
+    each_precision,
     one_thread,  # noqa: F401
     rod,
 )
 from numpy.testing import assert_allclose, assert_array_equal
 
+from viscopoint.arrays import Real
 from viscopoint.method import Totals
 from viscopoint.mpm.fills.lattice import rod_lattice
 from viscopoint.mpm.grid import Box
@@ -194,17 +196,18 @@ def assert_same_bits(one: dict[str, Any], other: dict[str, Any]) -> None:
         assert_array_equal(values, other[name], err_msg=name)
 
 
-def impact(box: Box = BOX) -> MaterialPointMethod:
-    return rod(velocity=(3.0, 1.0, -100.0), walls=(RigidWall(0.0, 0.1),), cell=0.5, box=box)
+def impact(box: Box = BOX, real: Real = np.float64) -> MaterialPointMethod:
+    return rod(velocity=(3.0, 1.0, -100.0), walls=(RigidWall(0.0, 0.1),), cell=0.5, box=box, real=real)
 
 
-def test_thread_count_changes_no_bit() -> None:
+@each_precision
+def test_thread_count_changes_no_bit(real: Real) -> None:
     if THREADS < 2:
         pytest.skip("one core")
     states = []
     for threads in (1, 2):
         numba.set_num_threads(threads)
-        states.append(steps(impact(), 40).state())
+        states.append(steps(impact(real=real), 40).state())
     assert_same_bits(*states)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from bricks import (
     ELASTIC,
+    ELEMENTS,
     EPS,
     ON_WALL,
     Array,
@@ -25,6 +26,7 @@ from columns import LENGTH, advance, one_thread, order, viscoelastic  # noqa: F4
 from fronts import HALF
 from numpy.testing import assert_allclose, assert_array_equal
 
+from viscopoint.arrays import Real
 from viscopoint.body import Body
 from viscopoint.fem.elements import Element
 from viscopoint.fem.method import FiniteElementMethod
@@ -58,8 +60,10 @@ def spin(method: FiniteElementMethod) -> Array:
     return np.cross(nodes.position, nodes.mass[:, None] * nodes.velocity).sum(axis=0)
 
 
-def impact(element: Element, friction: float = 0.1, body: Body = ROD, law: Any = RELAXING) -> FiniteElementMethod:
-    return fem(body, element, law, (RigidWall(0.0, friction),), (20.0, 5.0, -100.0), viscosity=PULSE)
+def impact(
+    element: Element, friction: float = 0.1, body: Body = ROD, law: Any = RELAXING, real: Real = np.float64
+) -> FiniteElementMethod:
+    return fem(body, element, law, (RigidWall(0.0, friction),), (20.0, 5.0, -100.0), viscosity=PULSE, real=real)
 
 
 # --- momentum ---
@@ -262,14 +266,18 @@ def assert_same_bits(one: dict[str, Any], other: dict[str, Any]) -> None:
         assert_array_equal(values, other[name], err_msg=name)
 
 
-@each_element
-def test_thread_count_changes_no_bit(element: Element) -> None:
+@pytest.mark.parametrize(
+    ("element", "real"),
+    [*((element, np.float64) for element in ELEMENTS.values()), (ELEMENTS["stiffness"], np.float32)],
+    ids=[*ELEMENTS, "single"],
+)
+def test_thread_count_changes_no_bit(element: Element, real: Real) -> None:
     if THREADS < 2:
         pytest.skip("one core")
     states = []
     for threads in (1, 2):
         numba.set_num_threads(threads)
-        method = steps(impact(element, body=rod_mesh(2.0, 6.0, 0.5)), 40)
+        method = steps(impact(element, body=rod_mesh(2.0, 6.0, 0.5), real=real), 40)
         totals = method.totals()
         states.append({**method.state(), "totals": np.hstack(totals)})
     assert_same_bits(*states)

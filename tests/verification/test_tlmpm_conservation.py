@@ -27,6 +27,7 @@ from lagrangian import (
 )
 from numpy.testing import assert_allclose, assert_array_equal
 
+from viscopoint.arrays import Real
 from viscopoint.mpm.fills import FILLS
 from viscopoint.tlmpm.method import TotalLagrangianMethod
 from viscopoint.wall import RigidWall, Symmetry
@@ -239,14 +240,16 @@ def assert_same_bits(one: dict[str, Any], other: dict[str, Any]) -> None:
 
 
 @each_volume
-@pytest.mark.parametrize("shape", ["trilinear", "gimp"])
-def test_thread_count_changes_no_bit(volume: str, shape: str) -> None:
+@pytest.mark.parametrize(
+    ("shape", "real"), [("trilinear", np.float64), ("gimp", np.float64), ("trilinear", np.float32)]
+)
+def test_thread_count_changes_no_bit(volume: str, shape: str, real: Real) -> None:
     if THREADS < 2:
         pytest.skip("one core")
     states = []
     for threads in (1, 2):
         numba.set_num_threads(threads)
-        method = steps(impact(spacing=0.25, volume=volume, shape=shape, fill="rings"), 40)
+        method = steps(impact(spacing=0.25, volume=volume, shape=shape, fill="rings", real=real), 40)
         states.append({**method.state(), "totals": np.hstack(method.totals()), "seen": method.velocities()})
     assert_same_bits(*states)
 

@@ -7,6 +7,7 @@ from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field
 
+from viscopoint.arrays import PRECISIONS
 from viscopoint.body import Body
 from viscopoint.errors import nearest
 from viscopoint.fem.elements import ELEMENTS
@@ -102,6 +103,7 @@ class FEMInput(MethodInput):
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
             delete_below=self.delete_below,
+            real=PRECISIONS[self.precision],
         )
         motion = (0.0, 0.0, -impact.speed)
         return FiniteElementMethod(self.body(rod), law, (impact.boundary(),), choices, motion)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array, Rows
+from viscopoint.arrays import Array, Real, Rows
 from viscopoint.body import Body
 from viscopoint.errors import InputError
 from viscopoint.fem.elements import Element, Limits
@@ -30,6 +30,7 @@ class Discretisation:
     safety: float  # share of the critical step to take
     viscosity: BulkViscosity
     delete_below: float = 0.0  # share of the first stable step below which elements are deleted; 0: none is
+    real: Real = np.float64  # of the elements' state
 
 
 class FiniteElementMethod:
@@ -61,7 +62,9 @@ class FiniteElementMethod:
         volume = self.form.point_volumes(body.position, body.cells)
         volume = volume if self.element.points > 1 else volume.sum(axis=1, keepdims=True)
         self.nodes: Nodes = nodes_at_rest(body, law.density)
-        self.elements: Elements = elements_at_rest(body.cells, volume, len(self.blank), self.element.memory)
+        self.elements: Elements = elements_at_rest(
+            body.cells, volume, len(self.blank), self.element.memory, choices.real
+        )
         self.slabs = slabs(body.position, body.cells)
         self.wall = NO_WALL
         for boundary in boundaries:

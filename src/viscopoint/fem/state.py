@@ -6,7 +6,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array, Indices
+from viscopoint.arrays import Array, Indices, Real
 from viscopoint.body import Body
 from viscopoint.fem.forms import form_of
 from viscopoint.jit import kernel
@@ -29,7 +29,10 @@ class Nodes(NamedTuple):
 
 
 class Elements(NamedTuple):
-    """What the elements carry; an element has one integration point or one at each corner, k."""
+    """What the elements carry; an element has one integration point or one at each corner, k.
+
+    In single precision all of it is: what moves are the nodes. With energies in double the ledger closed no better.
+    """
 
     corner: NDArray[np.uint64]  # [e, 8] or [e, 4], nodes
     alive: NDArray[np.uint8]  # [e], 0 where it was deleted
@@ -58,22 +61,24 @@ def nodes_at_rest(body: Body, density: float) -> Nodes:
     )
 
 
-def elements_at_rest(corner: Indices, volume: Array, history_size: int, modes: int) -> Elements:
+def elements_at_rest(
+    corner: Indices, volume: Array, history_size: int, modes: int, real: Real = np.float64
+) -> Elements:
     """Return stress-free elements of some hourglass modes; ``volume[e, k]`` says how many points each has."""
     count, points = volume.shape
     return Elements(
         corner=np.ascontiguousarray(corner, np.int64).view(np.uint64),  # the body's own
         alive=np.ones(count, np.uint8),
-        volume=volume,
-        jacobian=np.ones(count),
-        stress=np.zeros((count, points, 6)),
-        viscous_pressure=np.zeros(count),
-        history=np.zeros((count, points, history_size)),
-        dissipated=np.zeros((count, points)),
-        hypoelastic=np.zeros((count, points)),
-        viscous_loss=np.zeros(count),
-        memory=np.zeros((count, 3 * modes)),
-        hourglass_work=np.zeros(count),
+        volume=volume.astype(real),
+        jacobian=np.ones(count, real),
+        stress=np.zeros((count, points, 6), real),
+        viscous_pressure=np.zeros(count, real),
+        history=np.zeros((count, points, history_size), real),
+        dissipated=np.zeros((count, points), real),
+        hypoelastic=np.zeros((count, points), real),
+        viscous_loss=np.zeros(count, real),
+        memory=np.zeros((count, 3 * modes), real),
+        hourglass_work=np.zeros(count, real),
     )
 
 
@@ -102,11 +107,11 @@ def sum_elements(elements: Elements, law: Any, blank: History, sums: Array) -> N
     for chunk in prange(CHUNKS):
         row = sums[chunk]
         for e in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
-            stored = 0.0
+            stored, jacobian = 0.0, np.float64(elements.jacobian[e])
             for k in range(elements.volume.shape[1]):
-                volume = elements.volume[e, k]
+                volume = np.float64(elements.volume[e, k])
                 stored += volume * stored_energy(
-                    law, elements.jacobian[e], read(elements.stress[e, k]), load(elements.history[e, k], blank)
+                    law, jacobian, read(elements.stress[e, k]), load(elements.history[e, k], blank)
                 )
                 row[1] += volume * elements.dissipated[e, k]
                 row[5] += volume * elements.hypoelastic[e, k]

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from viscopoint.arrays import PRECISIONS
 from viscopoint.body import Body
 from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
 from viscopoint.laws import Law
@@ -93,6 +94,7 @@ class MPMInput(MethodInput):
             volume=VOLUMES[self.volume],
             contact=CONTACTS[self.contact],
             grid=GRIDS[self.geometry],
+            real=PRECISIONS[self.precision],
         )
         motion = (0.0, 0.0, -impact.speed)
         return MaterialPointMethod(self.body(rod), law, (impact.boundary(),), choices, motion)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array, Rows
+from viscopoint.arrays import Array, Real, Rows
 from viscopoint.body import Body, half_height
 from viscopoint.laws import Law, step_factors
 from viscopoint.method import Advice, Field, Totals, history_fields, von_mises_of
@@ -38,6 +38,7 @@ class Discretisation:
     volume: type[Volume] = Local  # of ``mpm.volumes``
     contact: type[Contact] = Nodes  # of ``mpm.contacts``
     grid: type[Grid] = Grid  # of ``mpm.grid``
+    real: Real = np.float64  # of the points' state
 
 
 class MaterialPointMethod:
@@ -58,10 +59,10 @@ class MaterialPointMethod:
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
         mass, history, affine = law.density * body.volume, len(self.blank), choices.transfer.affine
-        self.points: Points = at_rest(body.position, mass, body.volume, history, affine)
+        self.points: Points = at_rest(body.position, mass, body.volume, history, affine, choices.real)
         self.points.velocity[:] = velocity
         if choices.shape.stretches or choices.contact.stretches:
-            self.points = self.points._replace(stretch=np.ones((len(body.position), 3)))
+            self.points = self.points._replace(stretch=np.ones((len(body.position), 3), choices.real))
         overhang = choices.shape.overhang
         spares = max(choices.transfer.spares, choices.volume.spares, choices.contact.spares)
         self.grid: Grid = lattice(choices.box, choices.cell, len(body.position), overhang, choices.grid, spares)

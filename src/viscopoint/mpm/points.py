@@ -4,13 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscopoint.arrays import Array
+from viscopoint.arrays import Array, Real
 
 
 class Points(NamedTuple):
     """Row p is the same piece of material from start to end.
 
-    Points are never re-ordered: neighbours in a solid stay neighbours, so that memory stays local by itself.
+    Points are never re-ordered: neighbours in a solid stay neighbours, so that memory stays local by itself. In single
+    precision x, v and J stay double: they are sums of small steps, and the account of momentum is only as good as v.
     """
 
     position: Array  # [p, 3], mm
@@ -29,22 +30,24 @@ class Points(NamedTuple):
     affine: Array  # [p, 9], what a transfer keeps of the motion around the point; [0, 9] if it keeps nothing
 
 
-def at_rest(position: Array, mass: Array, volume: Array, history_size: int, affine: bool = False) -> Points:
+def at_rest(
+    position: Array, mass: Array, volume: Array, history_size: int, affine: bool = False, real: Real = np.float64
+) -> Points:
     """Return stress-free points without velocity, with memory for ``affine`` motion if the transfer has such."""
     count = len(position)
     return Points(
         position=position.copy(),
         velocity=np.zeros((count, 3)),
-        drift=np.zeros((count, 3)),
-        mass=mass.copy(),
-        volume=volume.copy(),
+        drift=np.zeros((count, 3), real),
+        mass=mass.astype(real),
+        volume=volume.astype(real),
         jacobian=np.ones(count),
-        stress=np.zeros((count, 6)),
-        viscous_pressure=np.zeros(count),
-        history=np.zeros((count, history_size)),
-        dissipated=np.zeros(count),
-        hypoelastic=np.zeros(count),
-        viscous_loss=np.zeros(count),
-        stretch=np.ones((0, 3)),
-        affine=np.zeros((count if affine else 0, 9)),
+        stress=np.zeros((count, 6), real),
+        viscous_pressure=np.zeros(count, real),
+        history=np.zeros((count, history_size), real),
+        dissipated=np.zeros(count, real),
+        hypoelastic=np.zeros(count, real),
+        viscous_loss=np.zeros(count, real),
+        stretch=np.ones((0, 3), real),
+        affine=np.zeros((count if affine else 0, 9), real),
     )

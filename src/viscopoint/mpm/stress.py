@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import numpy as np
 from numba import prange
 
 from viscopoint.arrays import Array
@@ -17,7 +18,7 @@ from viscopoint.rows import load, store
 from viscopoint.slabs import PARTS, part_of
 from viscopoint.tensors import Matrix, Sym, components, read, trace, write
 from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_pressure
-from viscopoint.workspace import BLOCK, columns, keep, kept, workspace
+from viscopoint.workspace import BLOCK, add, columns, keep, kept, workspace
 
 # what a point has in the workspace
 GRADIENT, STRESS, JACOBIAN, VISCOUS, LOSS, HYPOELASTIC, VISCOUS_LOSS, SPEED, HISTORY = columns(9, 6, 1, 1, 1, 1, 1, 1)
@@ -98,9 +99,9 @@ def answer(
     keep(work, HISTORY, i, history)
     keep(work, JACOBIAN, i, after)
     keep(work, VISCOUS, i, pressure)
-    keep(work, LOSS, i, kept(work, LOSS, i, 0.0) + 0.5 * (before + after) * loss)
-    keep(work, HYPOELASTIC, i, kept(work, HYPOELASTIC, i, 0.0) + taken)
-    keep(work, VISCOUS_LOSS, i, kept(work, VISCOUS_LOSS, i, 0.0) - resisted)
+    add(work, LOSS, i, 0.5 * (before + after) * loss)
+    add(work, HYPOELASTIC, i, taken)
+    add(work, VISCOUS_LOSS, i, -resisted)
     keep(work, SPEED, i, signal_speed(here, damping) + math.sqrt(kept(work, SPEED, i, 0.0)))
 
 
@@ -132,7 +133,7 @@ def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
         row = sums[chunk]
         row[:] = 0.0
         for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
-            m, volume, v = points.mass[p], points.volume[p], points.velocity[p]
+            m, volume, v = points.mass[p], np.float64(points.volume[p]), points.velocity[p]
             row[0] += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
             row[1] += volume * stored_energy(
                 law, points.jacobian[p], read(points.stress[p]), load(points.history[p], blank)

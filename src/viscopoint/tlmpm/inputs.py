@@ -5,6 +5,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import Field
 
+from viscopoint.arrays import PRECISIONS
 from viscopoint.body import Body, reordered
 from viscopoint.inputs import Impact, MethodInput, Rod, machine_memory, one_of
 from viscopoint.laws import Law
@@ -73,6 +74,7 @@ class TotalLagrangianInput(MethodInput):
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
             lattice=LATTICES[self.geometry],
+            real=PRECISIONS[self.precision],
         )
         motion = (0.0, 0.0, -impact.speed)
         return TotalLagrangianMethod(body, law, (impact.boundary(),), choices, motion)

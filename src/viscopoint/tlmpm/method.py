@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscopoint.arrays import Array, Rows
+from viscopoint.arrays import Array, Real, Rows
 from viscopoint.body import Body
 from viscopoint.errors import InputError
 from viscopoint.fem.state import CHUNKS
@@ -37,6 +37,7 @@ class Discretisation:
     viscosity: BulkViscosity
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of a node; surfaces that touch must be planes of nodes, mm
     lattice: type[Lattice] = Lattice  # of ``tlmpm.lattice``
+    real: Real = np.float64  # of the points' state
 
 
 class TotalLagrangianMethod:
@@ -69,7 +70,7 @@ class TotalLagrangianMethod:
         self.safety, self.viscosity = choices.safety, choices.viscosity
         self.blank = (0.0,) * sum(size for _, size in law.history_fields)
         self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
-        self.points: Points = at_rest(body.position, body.volume, len(self.blank))
+        self.points: Points = at_rest(body.position, body.volume, len(self.blank), choices.real)
         self.lattice: Lattice = around_body(
             body.position, choices.cell, choices.origin, choices.lattice, choices.shape.overhang
         )

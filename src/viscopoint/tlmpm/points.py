@@ -4,13 +4,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscopoint.arrays import Array
+from viscopoint.arrays import Array, Real
 from viscopoint.jit import inline
 from viscopoint.tensors import Matrix
 
 
 class Points(NamedTuple):
-    """Row p is the same piece of material from start to end. Points of no volume only watch."""
+    """Row p is the same piece of material from start to end. Points of no volume only watch.
+
+    In single precision X and x stay double; F in double brought nothing that could be measured (docs/precision.md).
+    """
 
     reference: Array  # [p, 3], X, where the point stands in the background grid for good, mm
     position: Array  # [p, 3], x, mm
@@ -25,21 +28,21 @@ class Points(NamedTuple):
     viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
 
 
-def at_rest(position: Array, volume: Array, history_size: int) -> Points:
+def at_rest(position: Array, volume: Array, history_size: int, real: Real = np.float64) -> Points:
     """Return stress-free points."""
     count = len(position)
     return Points(
         reference=position.copy(),
         position=position.copy(),
-        volume=volume.copy(),
-        deformation=np.tile(np.eye(3).ravel(), (count, 1)),
-        jacobian=np.ones(count),
-        stress=np.zeros((count, 6)),
-        viscous_pressure=np.zeros(count),
-        history=np.zeros((count, history_size)),
-        dissipated=np.zeros(count),
-        hypoelastic=np.zeros(count),
-        viscous_loss=np.zeros(count),
+        volume=volume.astype(real),
+        deformation=np.tile(np.eye(3, dtype=real).ravel(), (count, 1)),
+        jacobian=np.ones(count, real),
+        stress=np.zeros((count, 6), real),
+        viscous_pressure=np.zeros(count, real),
+        history=np.zeros((count, history_size), real),
+        dissipated=np.zeros(count, real),
+        hypoelastic=np.zeros(count, real),
+        viscous_loss=np.zeros(count, real),
     )
 
 

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import numpy as np
 from numba import prange
 
 from viscopoint.arrays import Array
@@ -44,7 +45,7 @@ from viscopoint.tlmpm.lattice import Lattice, around, cells_in_block
 from viscopoint.tlmpm.points import Points
 from viscopoint.tlmpm.volumes import share
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
-from viscopoint.workspace import keep, kept, workspace
+from viscopoint.workspace import add, keep, kept, workspace
 
 
 @kernel
@@ -118,18 +119,15 @@ def answer(
     own = read(kept(work, STRAIN, i, SIX))
     swelling, after, before = kept(work, SWELLING, i, 0.0), kept(work, JACOBIAN, i, 0.0), kept(work, BEFORE, i, 0.0)
     shared = deviator(own) + spherical(swelling / 3.0)
-    turn, earlier, memory = (
-        Matrix(*kept(work, TURN, i, NINE)),
-        read(kept(work, STRESS, i, SIX)),
-        kept(work, HISTORY, i, blank),
-    )
+    turn, earlier = Matrix(*kept(work, TURN, i, NINE)), read(kept(work, STRESS, i, SIX))
+    memory = kept(work, HISTORY, i, blank)
     stress, history, loss = update_stress(law, factors, shared, turn, after, earlier, memory)
     keep(work, STRESS, i, components(stress))
     keep(work, HISTORY, i, history)
     growth = after - before
-    keep(work, LOSS, i, kept(work, LOSS, i, 0.0) + (after - 0.5 * growth) * loss)
+    add(work, LOSS, i, (after - 0.5 * growth) * loss)
     taken = hypoelastic_work(law, growth, earlier, memory, stress, history)
-    keep(work, HYPOELASTIC, i, kept(work, HYPOELASTIC, i, 0.0) + taken)
+    add(work, HYPOELASTIC, i, taken)
 
     now, det_now = Matrix(*kept(work, DEFORMATION, i, NINE)), kept(work, DETERMINANT, i, 0.0)
     areas = cofactor(now)
@@ -139,7 +137,7 @@ def answer(
     here = sound * math.sqrt(after)
     pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, swelling / dt)
     resisted = 0.5 * kept(work, MID_JACOBIAN, i, 0.0) * trace(own) * (kept(work, VISCOUS, i, 0.0) + pressure)
-    keep(work, VISCOUS_LOSS, i, kept(work, VISCOUS_LOSS, i, 0.0) - resisted)
+    add(work, VISCOUS_LOSS, i, -resisted)
     keep(work, VISCOUS, i, pressure)
 
     pull = (after / det_now) * deviator(stress) + spherical(trace(stress) / 3.0 - pressure)
@@ -159,9 +157,9 @@ def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
     for chunk in prange(CHUNKS):
         row = sums[chunk]
         for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
-            volume = points.volume[p]
+            volume = np.float64(points.volume[p])
             row[0] += volume * stored_energy(
-                law, points.jacobian[p], read(points.stress[p]), load(points.history[p], blank)
+                law, np.float64(points.jacobian[p]), read(points.stress[p]), load(points.history[p], blank)
             )
             row[1] += volume * points.dissipated[p]
             row[2] += volume * points.viscous_loss[p]

@@ -56,7 +56,7 @@ from viscopoint.rows import load, store
 from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import Columns, Sym, applied, components, matrix, read, spherical, sym_columns, trace
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
-from viscopoint.workspace import BLOCK, keep, kept, widest_vectors, workspace
+from viscopoint.workspace import BLOCK, add, keep, kept, widest_vectors, workspace
 
 
 @offer("one-point")
@@ -173,12 +173,12 @@ def answer(
     keep(work, JACOBIAN, i, after)
     keep(work, STRESS, i, components(stress))
     keep(work, HISTORY, i, history)
-    keep(work, LOSS, i, kept(work, LOSS, i, 0.0) + 0.5 * (before + after) * loss)
-    keep(work, HYPOELASTIC, i, kept(work, HYPOELASTIC, i, 0.0) + taken)
+    add(work, LOSS, i, 0.5 * (before + after) * loss)
+    add(work, HYPOELASTIC, i, taken)
     keep(work, VISCOUS, i, pressure)
-    keep(work, VISCOUS_LOSS, i, kept(work, VISCOUS_LOSS, i, 0.0) - resisted)
+    add(work, VISCOUS_LOSS, i, -resisted)
     keep(work, MEMORY, i, remembered(force))
-    keep(work, HOURGLASS, i, kept(work, HOURGLASS, i, 0.0) + work_done)
+    add(work, HOURGLASS, i, work_done)
     keep(work, REST_STEP, i, stable / here)
     keep(work, STEP_LENGTH, i, longest_step(viscosity, stable, length, here, damping))
     keep(work, PLACE, i, corner_forces(nodal(stress - spherical(pressure), force, place, reach, now)))

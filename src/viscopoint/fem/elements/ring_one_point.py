@@ -3,6 +3,7 @@
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import prange
 
 from viscopoint.fem.elements import Limits, offer
@@ -104,7 +105,7 @@ def strain_ring_one_point(
                         continue
                     step_gradient = gradient(flow, ring_weights(middle), dt / mid_volume)
                     strain, turn = strain_and_turn(matrix(step_gradient))
-                    before, after = jacobian[e], now / elements.volume[e, 0]
+                    before, after = np.float64(jacobian[e]), now / elements.volume[e, 0]
                     earlier, memory = read(elements.stress[e, 0]), load(elements.history[e, 0], blank)
                     stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
                     write(elements.stress[e, 0], stress)

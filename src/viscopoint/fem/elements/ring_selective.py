@@ -3,6 +3,7 @@
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import prange
 
 from viscopoint.fem.elements import Limits, offer
@@ -86,7 +87,7 @@ def strain_ring_selective(
                     reference = 0.0
                     for k in range(4):
                         reference += elements.volume[e, k]
-                    before, after = float(jacobian[e]), now / reference
+                    before, after = np.float64(jacobian[e]), now / reference
                     growth = after - before
                     stretch = gradient(flow, ring_weights(middle), dt / volume(middle))
                     swelling_strain = stretch.x.x + stretch.y.y + stretch.z.z

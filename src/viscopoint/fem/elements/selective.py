@@ -3,6 +3,7 @@
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import prange
 
 from viscopoint.fem.block import (
@@ -65,7 +66,7 @@ from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import components, deviator, dot, matrix, read, spherical, sym_columns, trace
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
-from viscopoint.workspace import BLOCK, keep, kept, widest_vectors, workspace
+from viscopoint.workspace import BLOCK, add, keep, kept, widest_vectors, workspace
 
 
 @offer("selective")
@@ -111,7 +112,7 @@ def strain_selective(
                     for i in range(count):
                         e: int = order[first + i]
                         recall_motion(nodes, elements, e, work, i)
-                        keep(work, REFERENCE, i, elements.volume[e].sum())
+                        keep(work, REFERENCE, i, elements.volume[e].sum(dtype=np.float64))
                     for i in range(count):
                         swell(work, i, dt)
                     for k in range(8):
@@ -184,9 +185,9 @@ def answer(work: Any, i: int, k: int, law: Any, factors: Any, blank: History, dt
     taken = hypoelastic_work(law, after - before, earlier, memory, stress, history)
     keep(work, STRESS, i, components(stress))
     keep(work, HISTORY, i, history)
-    keep(work, LOSS, i, kept(work, LOSS, i, 0.0) + 0.5 * (before + after) * loss)
-    keep(work, HYPOELASTIC, i, kept(work, HYPOELASTIC, i, 0.0) + taken)
-    keep(work, MEAN, i, kept(work, MEAN, i, 0.0) + det * trace(stress) / 3.0)
+    add(work, LOSS, i, 0.5 * (before + after) * loss)
+    add(work, HYPOELASTIC, i, taken)
+    add(work, MEAN, i, det * trace(stress) / 3.0)
     pull = sym_columns(-0.125 * deviator(stress))
     on = unflattened(kept(work, ON, i, FLAT))
     keep(work, ON, i, flattened(gathered(on, pull, faces, xi, eta, zeta)))
@@ -204,7 +205,7 @@ def push(work: Any, i: int, density: float, sound: float, viscosity: BulkViscosi
     pressure, damping = viscous_pressure(viscosity, density / after, length, here, swelling / dt)
     resisted = before * kept(work, VISCOUS, i, 0.0) + after * pressure
     resisted = 0.5 * kept(work, REFERENCE, i, 0.0) * swelling * resisted
-    keep(work, VISCOUS_LOSS, i, kept(work, VISCOUS_LOSS, i, 0.0) - resisted)
+    add(work, VISCOUS_LOSS, i, -resisted)
     keep(work, VISCOUS, i, pressure)
     # shear at eight points: 2G Σ det |ε|² <= 2G · 8 max(area/det) of the modes' squares (see stable_length)
     sharpest = kept(work, SHARPEST, i, 0.0)

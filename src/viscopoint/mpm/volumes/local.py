@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from viscopoint.jit import implements
 from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.points import Points
@@ -31,4 +33,4 @@ def own_volume(volume: Local, points: Points, p: int, grid: Grid, strain: Sym, r
 
 @implements(pull, Local)
 def own_stress(volume: Local, points: Points, p: int, grid: Grid) -> Sym:
-    return read(points.stress[p]) - spherical(points.viscous_pressure[p])
+    return read(points.stress[p]) - spherical(np.float64(points.viscous_pressure[p]))

@@ -34,10 +34,10 @@ F = TypeVar("F", bound=Callable[..., Any])
 # of the dozen waits in a step lasts as long as the system's time slice: steps took a hundred times longer.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-# Fused multiply-add and x / c as x (1 / c) are the liberties taken with IEEE arithmetic: sums keep their order, so that
-# results do not depend on the thread count. Division by zero gives inf or nan, which the guards report, not a branch
-# at each "/".
-OPTIONS: Any = {"fastmath": {"contract", "arcp"}, "error_model": "numpy"}
+# x / c as x (1 / c) is the one liberty taken with IEEE arithmetic: sums keep their order, so that results do not depend
+# on the thread count, and what is fused is written down (``values.fma``). Division by zero gives inf or nan, which the
+# guards report, not a branch at each "/".
+OPTIONS: Any = {"fastmath": {"arcp"}, "error_model": "numpy"}
 INLINED: Any = {**OPTIONS, "forceinline": True}  # tensors stay in registers
 UNUSED = 30 * 24 * 3600.0  # s after which compiled code of other sources is removed
 PATIENCE = 10.0  # s to wait for another process that writes compiled code; without it a kernel is compiled again

@@ -1,7 +1,7 @@
 """From a step's velocity gradient to strain, rotation and volume, objectively (Hughes & Winget 1980)."""
 
 from viscopoint.jit import inline
-from viscopoint.tensors import Matrix, Sym, determinant, spun
+from viscopoint.tensors import Matrix, Sym, determinant, minor, spun
 
 
 @inline
@@ -33,15 +33,15 @@ def at_mid_step(gradient: Matrix) -> Matrix:
     )  # fmt: skip
     scale = -2.0 / determinant(half)
     return Matrix(
-        2.0 + scale * (half.yy * half.zz - half.yz * half.zy),
-        scale * (half.xz * half.zy - half.xy * half.zz),
-        scale * (half.xy * half.yz - half.xz * half.yy),
-        scale * (half.yz * half.zx - half.yx * half.zz),
-        2.0 + scale * (half.xx * half.zz - half.xz * half.zx),
-        scale * (half.xz * half.yx - half.xx * half.yz),
-        scale * (half.yx * half.zy - half.yy * half.zx),
-        scale * (half.xy * half.zx - half.xx * half.zy),
-        2.0 + scale * (half.xx * half.yy - half.xy * half.yx),
+        2.0 + scale * minor(half.yy, half.yz, half.zy, half.zz),
+        scale * minor(half.xz, half.xy, half.zz, half.zy),
+        scale * minor(half.xy, half.xz, half.yy, half.yz),
+        scale * minor(half.yz, half.yx, half.zz, half.zx),
+        2.0 + scale * minor(half.xx, half.xz, half.zx, half.zz),
+        scale * minor(half.xz, half.xx, half.yz, half.yx),
+        scale * minor(half.yx, half.yy, half.zx, half.zy),
+        scale * minor(half.xy, half.xx, half.zy, half.zx),
+        2.0 + scale * minor(half.xx, half.xy, half.yx, half.yy),
     )
 
 

@@ -14,7 +14,9 @@ from numba import types
 
 from viscopoint.jit import inline
 from viscopoint.values import (
+    accumulated,
     fetched,
+    fma,
     hold_as_lanes,
     hold_as_struct,
     inside_kernels,
@@ -118,6 +120,27 @@ def _scale_vector(k: float, a: Vec) -> Vec:
     return Vec(k * a.x, k * a.y, k * a.z)
 
 
+def fused(a: Any, k: float, b: Any) -> Any:
+    """Return a + k b of vectors or rows; inside kernels each component is rounded once."""
+    return a + k * b
+
+
+def _fused_vectors(a: Vec, k: float, b: Vec) -> Vec:
+    return Vec(fma(k, b.x, a.x), fma(k, b.y, a.y), fma(k, b.z, a.z))
+
+
+@inline
+def inner(a: float, x: float, b: float, y: float, c: float, z: float) -> float:
+    """Return a x + b y + c z."""
+    return fma(a, x, fma(b, y, c * z))
+
+
+@inline
+def minor(a: float, b: float, c: float, d: float) -> float:
+    """Return a d - b c, the determinant of ((a, b), (c, d))."""
+    return fma(a, d, -(b * c))
+
+
 def fetch(rows: Any, n: Any) -> Lanes:
     """Read row n of ``rows[n, 4]``."""
     return Lanes(*rows[n])
@@ -164,13 +187,13 @@ def total(a: Vec) -> float:
 @inline
 def dot(a: Vec, b: Vec) -> float:
     """Return a · b."""
-    return total(product(a, b))
+    return inner(a.x, b.x, a.y, b.y, a.z, b.z)
 
 
 @inline
 def cross(a: Vec, b: Vec) -> Vec:
     """Return a x b."""
-    return Vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+    return Vec(minor(a.y, a.z, b.y, b.z), minor(a.z, a.x, b.z, b.x), minor(a.x, a.y, b.x, b.y))
 
 
 # --- general tensors -------------------------------------------------------------------------------------------------
@@ -179,7 +202,7 @@ def cross(a: Vec, b: Vec) -> Vec:
 @inline
 def applied(a: Columns, v: Vec) -> Vec:
     """Return a v."""
-    return v.x * a.x + v.y * a.y + v.z * a.z
+    return fused(fused(v.x * a.x, v.y, a.y), v.z, a.z)
 
 
 @inline
@@ -203,7 +226,8 @@ def matrix(a: Columns) -> Matrix:
 @inline
 def determinant(a: Matrix) -> float:
     """Return det a."""
-    return a.xx * (a.yy * a.zz - a.yz * a.zy) - a.xy * (a.yx * a.zz - a.yz * a.zx) + a.xz * (a.yx * a.zy - a.yy * a.zx)
+    x, y, z = minor(a.yy, a.yz, a.zy, a.zz), minor(a.yz, a.yx, a.zz, a.zx), minor(a.yx, a.yy, a.zx, a.zy)
+    return inner(a.xx, x, a.xy, y, a.xz, z)
 
 
 # --- symmetric tensors -----------------------------------------------------------------------------------------------
@@ -242,7 +266,7 @@ def deviator(a: Sym) -> Sym:
 @inline
 def contract(a: Sym, b: Sym) -> float:
     """Return a : b."""
-    return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + 2.0 * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx)
+    return fma(2.0, inner(a.xy, b.xy, a.yz, b.yz, a.zx, b.zx), inner(a.xx, b.xx, a.yy, b.yy, a.zz, b.zz))
 
 
 @inline
@@ -255,22 +279,22 @@ def von_mises(stress: Sym) -> float:
 @inline
 def rotated(a: Sym, turn: Matrix) -> Sym:
     """Return Q a Qᵀ for the rotation Q = turn."""
-    xx = turn.xx * a.xx + turn.xy * a.xy + turn.xz * a.zx  # Q a, row by row
-    xy = turn.xx * a.xy + turn.xy * a.yy + turn.xz * a.yz
-    xz = turn.xx * a.zx + turn.xy * a.yz + turn.xz * a.zz
-    yx = turn.yx * a.xx + turn.yy * a.xy + turn.yz * a.zx
-    yy = turn.yx * a.xy + turn.yy * a.yy + turn.yz * a.yz
-    yz = turn.yx * a.zx + turn.yy * a.yz + turn.yz * a.zz
-    zx = turn.zx * a.xx + turn.zy * a.xy + turn.zz * a.zx
-    zy = turn.zx * a.xy + turn.zy * a.yy + turn.zz * a.yz
-    zz = turn.zx * a.zx + turn.zy * a.yz + turn.zz * a.zz
+    xx = inner(turn.xx, a.xx, turn.xy, a.xy, turn.xz, a.zx)  # Q a, row by row
+    xy = inner(turn.xx, a.xy, turn.xy, a.yy, turn.xz, a.yz)
+    xz = inner(turn.xx, a.zx, turn.xy, a.yz, turn.xz, a.zz)
+    yx = inner(turn.yx, a.xx, turn.yy, a.xy, turn.yz, a.zx)
+    yy = inner(turn.yx, a.xy, turn.yy, a.yy, turn.yz, a.yz)
+    yz = inner(turn.yx, a.zx, turn.yy, a.yz, turn.yz, a.zz)
+    zx = inner(turn.zx, a.xx, turn.zy, a.xy, turn.zz, a.zx)
+    zy = inner(turn.zx, a.xy, turn.zy, a.yy, turn.zz, a.yz)
+    zz = inner(turn.zx, a.zx, turn.zy, a.yz, turn.zz, a.zz)
     return Sym(
-        xx * turn.xx + xy * turn.xy + xz * turn.xz,
-        yx * turn.yx + yy * turn.yy + yz * turn.yz,
-        zx * turn.zx + zy * turn.zy + zz * turn.zz,
-        xx * turn.yx + xy * turn.yy + xz * turn.yz,
-        yx * turn.zx + yy * turn.zy + yz * turn.zz,
-        zx * turn.xx + zy * turn.xy + zz * turn.xz,
+        inner(xx, turn.xx, xy, turn.xy, xz, turn.xz),
+        inner(yx, turn.yx, yy, turn.yy, yz, turn.yz),
+        inner(zx, turn.zx, zy, turn.zy, zz, turn.zz),
+        inner(xx, turn.yx, xy, turn.yy, xz, turn.yz),
+        inner(yx, turn.zx, yy, turn.zy, yz, turn.zz),
+        inner(zx, turn.xx, zy, turn.xy, zz, turn.xz),
     )
 
 
@@ -317,6 +341,8 @@ _VEC, _LANES, _SYM = hold_as_struct(Vec), hold_as_lanes(Lanes), hold_as_struct(S
 inside_kernels(operator.add, _add_vectors, _VEC, _VEC)
 inside_kernels(operator.sub, _subtract_vectors, _VEC, _VEC)
 inside_kernels(operator.mul, _scale_vector, types.Number, _VEC)
+inside_kernels(fused, _fused_vectors, _VEC, types.Number, _VEC)
+inside_kernels(fused, accumulated(), _LANES, types.Number, _LANES)
 inside_kernels(operator.add, lanewise("fadd"), _LANES, _LANES)
 inside_kernels(operator.mul, scaled(), types.Number, _LANES)
 inside_kernels(fetch, fetched(Lanes), types.Array, types.Integer)

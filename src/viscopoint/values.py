@@ -122,6 +122,49 @@ def scaled() -> Any:
     return lambda a, b: scale(a, b)  # pyright: ignore[reportCallIssue]
 
 
+def fma(a: float, b: float, c: float) -> float:
+    """Return a b + c, rounded once inside kernels.
+
+    Where the compiler chose what to fuse, a kernel that had just been compiled gave other last bits than the same one
+    loaded from the disk, which has been through other passes.
+    """
+    return a * b + c
+
+
+@intrinsic
+def _fma(context: Any, a: Any, b: Any, c: Any) -> Any:
+    def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return _fused(builder, *values)
+
+    return types.float64(types.float64, types.float64, types.float64), lower
+
+
+@overload(fma, **ATTRIBUTES)
+def _fma_of(a: Any, b: Any, c: Any) -> Any:
+    return lambda a, b, c: _fma(a, b, c)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+
+
+def accumulated() -> Any:
+    """Return a function of a sum, a weight and a value, both held as lanes, that is the sum + weight value."""
+
+    @intrinsic
+    def accumulate(context: Any, total: Any, weight: Any, vector: Any) -> Any:
+        def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+            number = context.cast(builder, values[1], signature.args[1], types.float64)
+            first = builder.insert_element(ir.Constant(LANES, ir.Undefined), number, _at(0))
+            return _fused(builder, _in_all_lanes(builder, first), values[2], values[0])
+
+        return total(total, weight, vector), lower
+
+    return lambda a, b, c: accumulate(a, b, c)  # pyright: ignore[reportCallIssue]
+
+
+def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
+    name = "llvm.fma.v4f64" if isinstance(a.type, ir.VectorType) else "llvm.fma.f64"
+    kind = ir.FunctionType(a.type, [a.type] * 3)
+    return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), [a, b, c])
+
+
 def fetched(value: type) -> Any:
     """Return a function of rows ``[n, 4]`` and n that reads a value held as lanes at once."""
 

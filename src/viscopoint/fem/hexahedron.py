@@ -18,7 +18,7 @@ import numpy as np
 
 from viscopoint.arrays import Array
 from viscopoint.jit import inline
-from viscopoint.tensors import Columns, Vec, applied, cross, dot, product, total
+from viscopoint.tensors import Columns, Vec, applied, cross, dot, fused, product, total
 
 GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 x 2 rule, whose points stand like the corners
 #                  0     1     2     3     4     5     6     7
@@ -151,13 +151,13 @@ def corner_forces(on: Modes) -> Corners:
 def moved(place: Modes, step: float, velocity: Modes) -> Modes:
     """Return place + step velocity."""
     return Modes(
-        place.xi + step * velocity.xi,
-        place.eta + step * velocity.eta,
-        place.zeta + step * velocity.zeta,
-        place.eta_zeta + step * velocity.eta_zeta,
-        place.zeta_xi + step * velocity.zeta_xi,
-        place.xi_eta + step * velocity.xi_eta,
-        place.all + step * velocity.all,
+        fused(place.xi, step, velocity.xi),
+        fused(place.eta, step, velocity.eta),
+        fused(place.zeta, step, velocity.zeta),
+        fused(place.eta_zeta, step, velocity.eta_zeta),
+        fused(place.zeta_xi, step, velocity.zeta_xi),
+        fused(place.xi_eta, step, velocity.xi_eta),
+        fused(place.all, step, velocity.all),
     )
 
 
@@ -191,19 +191,27 @@ def mean_gradient(field: Modes, gradient: Gradient, scale: float) -> Columns:
     a, b, c, d, e, f, _ = field
     w = gradient
     return Columns(
-        scale * (w.xi.x * a + w.eta.x * b + w.zeta.x * c + w.eta_zeta.x * d + w.zeta_xi.x * e + w.xi_eta.x * f),
-        scale * (w.xi.y * a + w.eta.y * b + w.zeta.y * c + w.eta_zeta.y * d + w.zeta_xi.y * e + w.xi_eta.y * f),
-        scale * (w.xi.z * a + w.eta.z * b + w.zeta.z * c + w.eta_zeta.z * d + w.zeta_xi.z * e + w.xi_eta.z * f),
+        scale * _six(w.xi.x, a, w.eta.x, b, w.zeta.x, c, w.eta_zeta.x, d, w.zeta_xi.x, e, w.xi_eta.x, f),
+        scale * _six(w.xi.y, a, w.eta.y, b, w.zeta.y, c, w.eta_zeta.y, d, w.zeta_xi.y, e, w.xi_eta.y, f),
+        scale * _six(w.xi.z, a, w.eta.z, b, w.zeta.z, c, w.eta_zeta.z, d, w.zeta_xi.z, e, w.xi_eta.z, f),
     )
+
+
+@inline
+def _six(
+    a: float, x: Vec, b: float, y: Vec, c: float, z: Vec, d: float, u: Vec, e: float, v: Vec, f: float, w: Vec
+) -> Vec:
+    """Return the sum of six products."""
+    return fused(fused(fused(fused(fused(a * x, b, y), c, z), d, u), e, v), f, w)
 
 
 @inline
 def slopes(field: Modes, xi: float, eta: float, zeta: float) -> Slopes:
     """Return the derivatives of a field along ξ, η and ζ at a place in the element."""
     return Slopes(
-        field.xi + zeta * field.zeta_xi + eta * field.xi_eta + (eta * zeta) * field.all,
-        field.eta + zeta * field.eta_zeta + xi * field.xi_eta + (zeta * xi) * field.all,
-        field.zeta + eta * field.eta_zeta + xi * field.zeta_xi + (xi * eta) * field.all,
+        fused(fused(fused(field.xi, zeta, field.zeta_xi), eta, field.xi_eta), eta * zeta, field.all),
+        fused(fused(fused(field.eta, zeta, field.eta_zeta), xi, field.xi_eta), zeta * xi, field.all),
+        fused(fused(fused(field.zeta, eta, field.eta_zeta), xi, field.zeta_xi), xi * eta, field.all),
     )
 
 
@@ -220,9 +228,9 @@ def local_gradient(field: Slopes, faces: Slopes, scale: float) -> Columns:
     """Return scale det ∂field/∂x at the place where field and ``areas`` were taken."""
     a, b, c = field
     return Columns(
-        scale * (faces.xi.x * a + faces.eta.x * b + faces.zeta.x * c),
-        scale * (faces.xi.y * a + faces.eta.y * b + faces.zeta.y * c),
-        scale * (faces.xi.z * a + faces.eta.z * b + faces.zeta.z * c),
+        scale * fused(fused(faces.xi.x * a, faces.eta.x, b), faces.zeta.x, c),
+        scale * fused(fused(faces.xi.y * a, faces.eta.y, b), faces.zeta.y, c),
+        scale * fused(fused(faces.xi.z * a, faces.eta.z, b), faces.zeta.z, c),
     )
 
 
@@ -234,10 +242,10 @@ def gathered(on: Modes, pull: Columns, faces: Slopes, xi: float, eta: float, zet
         on.xi + a,
         on.eta + b,
         on.zeta + c,
-        on.eta_zeta + zeta * b + eta * c,
-        on.zeta_xi + zeta * a + xi * c,
-        on.xi_eta + eta * a + xi * b,
-        on.all + (eta * zeta) * a + (zeta * xi) * b + (xi * eta) * c,
+        fused(fused(on.eta_zeta, zeta, b), eta, c),
+        fused(fused(on.zeta_xi, zeta, a), xi, c),
+        fused(fused(on.xi_eta, eta, a), xi, b),
+        fused(fused(fused(on.all, eta * zeta, a), zeta * xi, b), xi * eta, c),
     )
 
 

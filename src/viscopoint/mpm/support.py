@@ -9,7 +9,7 @@ from viscopoint.jit import generic, implements, inline
 from viscopoint.mpm.grid import Grid, HalfPlane
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.shapes import Weights, along, stencil
-from viscopoint.tensors import Lanes, Matrix, Sym, fetch, no_lanes, put
+from viscopoint.tensors import Lanes, Matrix, Sym, fetch, fused, no_lanes, put
 from viscopoint.values import pick
 
 
@@ -117,7 +117,7 @@ def spread(field: Array, grid: Any, at: Any, x: float, y: float, z: float, m: fl
             line, row = pick(at.wy, b) * layer, node_row(grid, at, b, c)
             for a in range(len(at.wx)):
                 node = row + np.uint64(a)
-                put(field, node, fetch(field, node) + pick(at.wx, a) * line)
+                put(field, node, fused(fetch(field, node), pick(at.wx, a), line))
 
 
 @inline
@@ -130,11 +130,11 @@ def spread_with_force(grid: Grid, at: Any, x: float, y: float, z: float, m: floa
         layer, along_x, along_y, along_z = wz * value, wz * sx, wz * sy, dz * sz
         for b in range(len(at.wy)):
             wy, dy, row = pick(at.wy, b), pick(at.dy, b), node_row(grid, at, b, c)
-            line, slope, rest = wy * layer, wy * along_x, dy * along_y + wy * along_z
+            line, slope, rest = wy * layer, wy * along_x, fused(dy * along_y, wy, along_z)
             for a in range(len(at.wx)):
                 node, wx, dx = row + np.uint64(a), pick(at.wx, a), pick(at.dx, a)
-                put(momentum, node, fetch(momentum, node) + wx * line)
-                put(force, node, fetch(force, node) + (dx * slope + wx * rest))
+                put(momentum, node, fused(fetch(momentum, node), wx, line))
+                put(force, node, fused(fused(fetch(force, node), dx, slope), wx, rest))
     pull_in(at, force, grid, s.yy)
 
 
@@ -146,10 +146,10 @@ def spread_gradient(field: Array, grid: Any, at: Any, x: Lanes, y: Lanes, z: Lan
         along_x, along_y, along_z = wz * x, wz * y, dz * z
         for b in range(len(at.wy)):
             wy, dy, row = pick(at.wy, b), pick(at.dy, b), node_row(grid, at, b, c)
-            slope, rest = wy * along_x, dy * along_y + wy * along_z
+            slope, rest = wy * along_x, fused(dy * along_y, wy, along_z)
             for a in range(len(at.wx)):
                 node, wx, dx = row + np.uint64(a), pick(at.wx, a), pick(at.dx, a)
-                put(field, node, fetch(field, node) + (dx * slope + wx * rest))
+                put(field, node, fused(fused(fetch(field, node), dx, slope), wx, rest))
 
 
 @inline
@@ -161,9 +161,9 @@ def sampled(field: Array, grid: Any, at: Any) -> Lanes:
         for b in range(len(at.wy)):
             line, row = no_lanes(), node_row(grid, at, b, c)
             for a in range(len(at.wx)):
-                line = line + pick(at.wx, a) * fetch(field, row + np.uint64(a))
-            layer = layer + pick(at.wy, b) * line
-        mean = mean + pick(at.wz, c) * layer
+                line = fused(line, pick(at.wx, a), fetch(field, row + np.uint64(a)))
+            layer = fused(layer, pick(at.wy, b), line)
+        mean = fused(mean, pick(at.wz, c), layer)
     return mean
 
 
@@ -179,10 +179,10 @@ def sampled_with_gradient(field: Array, grid: Any, at: Any) -> tuple[Lanes, Lane
             line = line_x = no_lanes()
             for a in range(len(at.wx)):
                 value = fetch(field, row + np.uint64(a))
-                line, line_x = line + pick(at.wx, a) * value, line_x + pick(at.dx, a) * value
-            layer, layer_x, layer_y = layer + wy * line, layer_x + wy * line_x, layer_y + dy * line
-        mean, along_x = mean + wz * layer, along_x + wz * layer_x
-        along_y, along_z = along_y + wz * layer_y, along_z + dz * layer
+                line, line_x = fused(line, pick(at.wx, a), value), fused(line_x, pick(at.dx, a), value)
+            layer, layer_x, layer_y = fused(layer, wy, line), fused(layer_x, wy, line_x), fused(layer_y, dy, line)
+        mean, along_x = fused(mean, wz, layer), fused(along_x, wz, layer_x)
+        along_y, along_z = fused(along_y, wz, layer_y), fused(along_z, dz, layer)
     return mean, along_x, along_y, along_z
 
 
@@ -198,10 +198,10 @@ def motion(grid: Grid, at: Any) -> tuple[Lanes, Lanes]:
             wy, row = pick(at.wy, b), node_row(grid, at, b, c)
             for a in range(len(at.wx)):
                 node, wx = row + np.uint64(a), pick(at.wx, a)
-                line, line_gains = line + wx * fetch(velocity, node), line_gains + wx * fetch(change, node)
-            layer, layer_gains = layer + wy * line, layer_gains + wy * line_gains
+                line, line_gains = fused(line, wx, fetch(velocity, node)), fused(line_gains, wx, fetch(change, node))
+            layer, layer_gains = fused(layer, wy, line), fused(layer_gains, wy, line_gains)
         wz = pick(at.wz, c)
-        moves, gains = moves + wz * layer, gains + wz * layer_gains
+        moves, gains = fused(moves, wz, layer), fused(gains, wz, layer_gains)
     return moves, gains
 
 

@@ -54,7 +54,19 @@ from viscopoint.kinematics import strain_and_turn
 from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.rows import load, store
 from viscopoint.slabs import COLOURS, PARTS, part_of
-from viscopoint.tensors import Columns, Sym, applied, components, matrix, read, spherical, sym_columns, trace
+from viscopoint.tensors import (
+    Columns,
+    Sym,
+    Vec,
+    applied,
+    components,
+    fused,
+    matrix,
+    read,
+    spherical,
+    sym_columns,
+    trace,
+)
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
 from viscopoint.workspace import BLOCK, add, keep, kept, widest_vectors, workspace
 
@@ -205,16 +217,22 @@ def nodal(pull: Sym, h: Hourglass, place: Modes, reach: Gradient, volume: float)
     d, e, f, g = place.eta_zeta, place.zeta_xi, place.xi_eta, place.all
     stress, k = sym_columns(pull), -0.125 / volume
     total = Columns(
-        k * (d.x * h.eta_zeta + e.x * h.zeta_xi + f.x * h.xi_eta + g.x * h.all) - 0.125 * stress.x,
-        k * (d.y * h.eta_zeta + e.y * h.zeta_xi + f.y * h.xi_eta + g.y * h.all) - 0.125 * stress.y,
-        k * (d.z * h.eta_zeta + e.z * h.zeta_xi + f.z * h.xi_eta + g.z * h.all) - 0.125 * stress.z,
+        fused(_four(k * d.x, h.eta_zeta, k * e.x, h.zeta_xi, k * f.x, h.xi_eta, k * g.x, h.all), -0.125, stress.x),
+        fused(_four(k * d.y, h.eta_zeta, k * e.y, h.zeta_xi, k * f.y, h.xi_eta, k * g.y, h.all), -0.125, stress.y),
+        fused(_four(k * d.z, h.eta_zeta, k * e.z, h.zeta_xi, k * f.z, h.xi_eta, k * g.z, h.all), -0.125, stress.z),
     )
     return Modes(
         applied(total, reach.xi),
         applied(total, reach.eta),
         applied(total, reach.zeta),
-        applied(total, reach.eta_zeta) + 0.125 * h.eta_zeta,
-        applied(total, reach.zeta_xi) + 0.125 * h.zeta_xi,
-        applied(total, reach.xi_eta) + 0.125 * h.xi_eta,
+        fused(applied(total, reach.eta_zeta), 0.125, h.eta_zeta),
+        fused(applied(total, reach.zeta_xi), 0.125, h.zeta_xi),
+        fused(applied(total, reach.xi_eta), 0.125, h.xi_eta),
         0.125 * h.all,
     )
+
+
+@inline
+def _four(a: float, x: Vec, b: float, y: Vec, c: float, z: Vec, d: float, w: Vec) -> Vec:
+    """Return the sum of four products."""
+    return fused(fused(fused(a * x, b, y), c, z), d, w)

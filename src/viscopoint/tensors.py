@@ -164,6 +164,12 @@ def product(a: Vec, b: Vec) -> Vec:
 
 
 @inline
+def fused_product(sums: Vec, a: Vec, b: Vec) -> Vec:
+    """Return the sums with the products of the components added."""
+    return Vec(fma(a.x, b.x, sums.x), fma(a.y, b.y, sums.y), fma(a.z, b.z, sums.z))
+
+
+@inline
 def read_vector(row: Any) -> Vec:
     """Read a vector, in double, from the first three values of an array row."""
     real = np.float64
@@ -302,12 +308,12 @@ def rotated(a: Sym, turn: Matrix) -> Sym:
 def spun(a: Sym, x: float, y: float, z: float) -> Sym:
     """Return W a - a W for the antisymmetric W with axial vector (x, y, z): the rate of a tensor that turns with W."""
     return Sym(
-        2.0 * (y * a.zx - z * a.xy),
-        2.0 * (z * a.xy - x * a.yz),
-        2.0 * (x * a.yz - y * a.zx),
-        z * (a.xx - a.yy) + y * a.yz - x * a.zx,
-        x * (a.yy - a.zz) + z * a.zx - y * a.xy,
-        y * (a.zz - a.xx) + x * a.xy - z * a.yz,
+        2.0 * minor(y, z, a.xy, a.zx),
+        2.0 * minor(z, x, a.yz, a.xy),
+        2.0 * minor(x, y, a.zx, a.yz),
+        fma(z, a.xx - a.yy, minor(y, x, a.zx, a.yz)),
+        fma(x, a.yy - a.zz, minor(z, y, a.xy, a.zx)),
+        fma(y, a.zz - a.xx, minor(x, z, a.yz, a.xy)),
     )
 
 

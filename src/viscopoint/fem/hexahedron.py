@@ -18,7 +18,7 @@ import numpy as np
 
 from viscopoint.arrays import Array
 from viscopoint.jit import inline
-from viscopoint.tensors import Columns, Vec, applied, cross, dot, fused, product, total
+from viscopoint.tensors import Columns, Vec, applied, cross, dot, fused, fused_product, product, total
 
 GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 x 2 rule, whose points stand like the corners
 #                  0     1     2     3     4     5     6     7
@@ -181,8 +181,8 @@ def volume(place: Modes, gradient: Gradient) -> float:
     """Return the exact volume of the element, a cubic in its modes: by Euler, a third of x·∂V/∂x."""
     a, b, c, d, e, f, _ = place
     w = gradient
-    linear = product(a, w.xi) + product(b, w.eta) + product(c, w.zeta)
-    return total(linear + product(d, w.eta_zeta) + product(e, w.zeta_xi) + product(f, w.xi_eta)) / 3.0
+    linear = fused_product(fused_product(product(a, w.xi), b, w.eta), c, w.zeta)
+    return total(fused_product(fused_product(fused_product(linear, d, w.eta_zeta), e, w.zeta_xi), f, w.xi_eta)) / 3.0
 
 
 @inline
@@ -267,6 +267,6 @@ def stable_length(gradient: Gradient, volume: float) -> float:
     solid of high bulk modulus.
     """
     w = gradient
-    linear = product(w.xi, w.xi) + product(w.eta, w.eta) + product(w.zeta, w.zeta)
-    others = product(w.eta_zeta, w.eta_zeta) + product(w.zeta_xi, w.zeta_xi) + product(w.xi_eta, w.xi_eta)
-    return 2.0 * volume / math.sqrt(total(linear + others))
+    linear = fused_product(fused_product(product(w.xi, w.xi), w.eta, w.eta), w.zeta, w.zeta)
+    d, e, f = w.eta_zeta, w.zeta_xi, w.xi_eta
+    return 2.0 * volume / math.sqrt(total(fused_product(fused_product(fused_product(linear, d, d), e, e), f, f)))

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from viscopoint.fem.hexahedron import Hourglass
 from viscopoint.jit import generic, implements, inline
-from viscopoint.tensors import Matrix, Vec, applied, columns, product, total
+from viscopoint.tensors import Matrix, Vec, applied, columns, fused_product, product, total
 
 
 class ViscousControl(NamedTuple):
@@ -128,9 +128,5 @@ def added(a: Hourglass, b: Hourglass) -> Hourglass:
 @inline
 def work(force: Hourglass, slip: Hourglass) -> float:
     """Return Σ h · q."""
-    return total(
-        product(force.eta_zeta, slip.eta_zeta)
-        + product(force.zeta_xi, slip.zeta_xi)
-        + product(force.xi_eta, slip.xi_eta)
-        + product(force.all, slip.all)
-    )
+    linear = fused_product(product(force.eta_zeta, slip.eta_zeta), force.zeta_xi, slip.zeta_xi)
+    return total(fused_product(fused_product(linear, force.xi_eta, slip.xi_eta), force.all, slip.all))

@@ -34,7 +34,7 @@ class Elements(NamedTuple):
     In single precision all of it is: what moves are the nodes. With energies in double the ledger closed no better.
     """
 
-    corner: NDArray[np.uint64]  # [e, 8] or [e, 4], nodes
+    corner: NDArray[np.uint32]  # [e, 8] or [e, 4], nodes
     alive: NDArray[np.uint8]  # [e], 0 where it was deleted
     volume: Array  # [e, k], reference volume of each point, mm^3
     jacobian: Array  # [e], J of the whole element
@@ -67,7 +67,7 @@ def elements_at_rest(
     """Return stress-free elements of some hourglass modes; ``volume[e, k]`` says how many points each has."""
     count, points = volume.shape
     return Elements(
-        corner=np.ascontiguousarray(corner, np.int64).view(np.uint64),  # the body's own
+        corner=corner.astype(np.uint32),
         alive=np.ones(count, np.uint8),
         volume=volume.astype(real),
         jacobian=np.ones(count, real),

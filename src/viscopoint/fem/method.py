@@ -12,7 +12,16 @@ from viscopoint.fem.elements import Element, Limits
 from viscopoint.fem.forms import form_of
 from viscopoint.fem.mesh import slabs
 from viscopoint.fem.motion import arrive, set_off
-from viscopoint.fem.state import CHUNKS, Elements, Nodes, elements_at_rest, nodes_at_rest, sum_elements, sum_nodes
+from viscopoint.fem.state import (
+    CHUNKS,
+    Elements,
+    Nodes,
+    elements_at_rest,
+    nodes_at_rest,
+    sum_elements,
+    sum_nodes,
+    unload,
+)
 from viscopoint.laws import Law, step_factors
 from viscopoint.method import Advice, Field, Totals, history_fields, von_mises_of
 from viscopoint.viscosity import BulkViscosity, signal_speed
@@ -79,11 +88,10 @@ class FiniteElementMethod:
     def _find_first_step(self, share: float) -> None:
         """Let elements at rest say how long a step they allow; some share of it is where they are deleted."""
         viscosity, self.viscosity = self.viscosity, BulkViscosity(0.0, 0.0)
-        blank = self.elements
-        self.elements = Elements(**{name: np.array(values) for name, values in blank._asdict().items()})
         self._answer(1.0)
-        self.elements, self.viscosity = blank, viscosity
-        self.nodes.force[:] = 0.0  # rounding
+        self.viscosity = viscosity
+        unload(self.elements)  # rounding
+        self.nodes.force[:] = 0.0
         self.limits.weakest[:] = -1
         if share > 0.0:
             self.limits = self.limits._replace(delete_below=share * float(self.limits.critical.min()))

@@ -82,6 +82,13 @@ def elements_at_rest(
     )
 
 
+def unload(elements: Elements) -> None:
+    """Take from elements all they have but their shape."""
+    for name, values in elements._asdict().items():
+        if name not in ("corner", "volume"):
+            values[...] = 1 if name in ("alive", "jacobian") else 0
+
+
 @kernel
 def sum_nodes(nodes: Nodes, sums: Array) -> None:
     """Sum over each chunk of nodes kinetic energy, mass and momentum into ``sums[chunk, 5]``."""

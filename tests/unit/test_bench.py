@@ -85,7 +85,7 @@ def test_bytes_of_a_step_are_those_of_the_arrays_that_passes_name():
     method = build(case_of(work)).method
     elements, nodes = len(arrays_of(method)["elements.alive"]), len(method.positions())
     law = 8 * (1 + 8 * 6 + 8 * 6 + 8 + 8 + 1 + 1)  # J; stress, arm's stress and two losses of each point; viscosity
-    answer = elements * (8 + 1 + 8 * 8 + 8 * 8 + 2 * law) + nodes * (3 + 1) * 24  # order, alive, corners, volumes
+    answer = elements * (8 + 1 + 8 * 4 + 8 * 8 + 2 * law) + nodes * (3 + 1) * 24  # order, alive, corners, volumes
     set_off = nodes * (3 * 24 + 8 + 1 + 3 * 24 + 1)  # position, velocity, force; mass, fixed, pressed
     arrive = nodes * (2 * 24 + 8 + 1 + 1 + 24)
     assert bytes_per_step(method, passes_of(work)) == answer + set_off + arrive

@@ -19,12 +19,13 @@ from viscopoint.jit import INLINED, inline
 BLOCK = 64  # points
 ROW = BLOCK + 8  # numbers from one row to the next: powers of two would share few lines of the cache
 COLUMNS = 128  # numbers of a point, beside the law's history
+HISTORY = COLUMNS  # where that begins
 ALIGNMENT = 64  # bytes, a cache line
 
 
-def columns(*sizes: int) -> tuple[int, ...]:
-    """Return where quantities of so many numbers each begin, and where the next one would."""
-    return tuple(accumulate(sizes, initial=0))
+def columns(*sizes: int, first: int = 0) -> tuple[int, ...]:
+    """Return where quantities of so many numbers each begin, the first at ``first``, and where the next one would."""
+    return tuple(accumulate(sizes, initial=first))
 
 
 class _Type(types.Type):

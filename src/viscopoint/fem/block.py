@@ -9,7 +9,7 @@ from viscopoint.jit import inline
 from viscopoint.laws import History
 from viscopoint.rows import load, store
 from viscopoint.tensors import components, read, write
-from viscopoint.workspace import columns, keep, kept
+from viscopoint.workspace import HISTORY, columns, keep, kept
 
 SIX, NINE, TWELVE, FLAT, CORNERS = (0.0,) * 6, (0.0,) * 9, (0.0,) * 12, (0.0,) * 21, (0.0,) * 24
 (
@@ -34,7 +34,7 @@ SIX, NINE, TWELVE, FLAT, CORNERS = (0.0,) * 6, (0.0,) * 9, (0.0,) * 12, (0.0,) *
     WHOLE,  # least det of the points, 1 at most: not positive if one is turned inside out
     REST_STEP,  # longest stable step without bulk viscosity
     STEP_LENGTH,  # longest stable step
-    HISTORY,
+    _,
 ) = columns(24, 24, 21, 6, 12, *(1,) * 16)
 
 

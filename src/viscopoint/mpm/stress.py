@@ -7,6 +7,18 @@ import numpy as np
 from numba import prange
 
 from viscopoint.arrays import Array
+from viscopoint.carried import (
+    HYPOELASTIC,
+    JACOBIAN,
+    LOSS,
+    OWN,
+    SIX,
+    STRESS,
+    VISCOUS,
+    VISCOUS_LOSS,
+    recall,
+    remember,
+)
 from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import increments
 from viscopoint.laws import History, hypoelastic_work, stored_energy, update_stress
@@ -14,15 +26,15 @@ from viscopoint.mpm.grid import CHUNKS, Grid
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import around, gradient
 from viscopoint.mpm.volumes import dilated
-from viscopoint.rows import load, store
+from viscopoint.rows import load
 from viscopoint.slabs import PARTS, part_of
-from viscopoint.tensors import Matrix, Sym, components, read, trace, write
+from viscopoint.tensors import Matrix, Sym, components, read, trace
 from viscopoint.viscosity import BulkViscosity, signal_speed, viscous_pressure
-from viscopoint.workspace import BLOCK, add, columns, keep, kept, workspace
+from viscopoint.workspace import BLOCK, HISTORY, add, columns, keep, kept, workspace
 
-# what a point has in the workspace
-GRADIENT, STRESS, JACOBIAN, VISCOUS, LOSS, HYPOELASTIC, VISCOUS_LOSS, SPEED, HISTORY = columns(9, 6, 1, 1, 1, 1, 1, 1)
-SIX, NINE = (0.0,) * 6, (0.0,) * 9
+# what a point has in the workspace beside what it carries
+GRADIENT, SPEED, _ = columns(9, 1, first=OWN)
+NINE = (0.0,) * 9
 
 
 @kernel
@@ -52,8 +64,10 @@ def update_points(
                 count = min(BLOCK, start[slab + 1] - first)
                 for i in range(count):
                     p: int = order[first + i]
-                    moved = gradient(grid.velocity, grid, around(points, p, grid, shape), scale)
+                    v, moved = points.velocity[p], gradient(grid.velocity, grid, around(points, p, grid, shape), scale)
                     keep(work, GRADIENT, i, moved)
+                    keep(work, SPEED, i, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+                    stretched(points, p, moved)
                     recall(points, p, work, i, blank)
                 for i in range(count):
                     p: int = order[first + i]
@@ -64,20 +78,6 @@ def update_points(
                     remember(points, order[first + i], work, i, blank)
                     fastest = max(fastest, kept(work, SPEED, i, 0.0))
             critical[slab] = grid.cell / fastest
-
-
-@inline
-def recall(points: Points, p: int, work: Any, i: int, blank: History) -> None:
-    """Take what point p has to the workspace."""
-    keep(work, STRESS, i, components(read(points.stress[p])))
-    keep(work, HISTORY, i, load(points.history[p], blank))
-    keep(work, JACOBIAN, i, points.jacobian[p])
-    keep(work, VISCOUS, i, points.viscous_pressure[p])
-    keep(work, LOSS, i, points.dissipated[p])
-    keep(work, HYPOELASTIC, i, points.hypoelastic[p])
-    keep(work, VISCOUS_LOSS, i, points.viscous_loss[p])
-    v = points.velocity[p]
-    keep(work, SPEED, i, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
 
 
 @inline
@@ -106,17 +106,9 @@ def answer(
 
 
 @inline
-def remember(points: Points, p: int, work: Any, i: int, blank: History) -> None:
-    """Give point p back what it has in the workspace."""
-    write(points.stress[p], read(kept(work, STRESS, i, SIX)))
-    store(points.history[p], kept(work, HISTORY, i, blank))
-    points.jacobian[p] = kept(work, JACOBIAN, i, 0.0)
-    points.viscous_pressure[p] = kept(work, VISCOUS, i, 0.0)
-    points.dissipated[p] = kept(work, LOSS, i, 0.0)
-    points.hypoelastic[p] = kept(work, HYPOELASTIC, i, 0.0)
-    points.viscous_loss[p] = kept(work, VISCOUS_LOSS, i, 0.0)
+def stretched(points: Points, p: int, moved: Matrix) -> None:
+    """Stretch the box of point p with its material, where points have one."""
     if len(points.stretch) > 0:
-        moved = Matrix(*kept(work, GRADIENT, i, NINE))
         points.stretch[p, 0] *= 1.0 + moved.xx
         points.stretch[p, 1] *= 1.0 + moved.yy
         points.stretch[p, 2] *= 1.0 + moved.zz

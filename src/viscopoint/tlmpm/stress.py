@@ -7,6 +7,17 @@ import numpy as np
 from numba import prange
 
 from viscopoint.arrays import Array
+from viscopoint.carried import (
+    HYPOELASTIC,
+    JACOBIAN,
+    LOSS,
+    SIX,
+    STRESS,
+    VISCOUS,
+    VISCOUS_LOSS,
+    recall,
+    remember,
+)
 from viscopoint.fem.state import CHUNKS
 from viscopoint.jit import inline, kernel
 from viscopoint.kinematics import strain_and_turn
@@ -16,36 +27,25 @@ from viscopoint.rows import load
 from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import Matrix, components, determinant, deviator, read, spherical, trace
 from viscopoint.tlmpm.block import (
-    BEFORE,
+    AFTER,
     DEFORMATION,
     DETERMINANT,
-    HISTORY,
-    HYPOELASTIC,
-    JACOBIAN,
-    LOSS,
     MID_JACOBIAN,
     NINE,
-    SIX,
     STEP,
     STEP_LENGTH,
     STRAIN,
-    STRESS,
     SWELLING,
     TURN,
-    VISCOUS,
-    VISCOUS_LOSS,
     VOLUME,
-    recall,
-    remember,
-    remember_deformation,
 )
 from viscopoint.tlmpm.finite import added, cofactor, on_areas, square, steepest, times_transposed
 from viscopoint.tlmpm.interpolation import follow, push
 from viscopoint.tlmpm.lattice import Lattice, around, cells_in_block
-from viscopoint.tlmpm.points import Points
+from viscopoint.tlmpm.points import Points, deformation, keep_deformation
 from viscopoint.tlmpm.volumes import share
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
-from viscopoint.workspace import add, keep, kept, workspace
+from viscopoint.workspace import HISTORY, add, keep, kept, workspace
 
 
 @kernel
@@ -71,6 +71,8 @@ def strain_points(
                     for i in range(count):
                         p: int = order[first + i]
                         keep(work, STEP, i, follow(points, p, lattice, velocity, around(points, p, lattice, shape), dt))
+                        keep(work, DEFORMATION, i, deformation(points, p))
+                        keep(work, VOLUME, i, points.volume[p])
                         recall(points, p, work, i, blank)
                     for i in range(count):
                         strain(work, i)
@@ -79,7 +81,7 @@ def strain_points(
                         answer(work, i, lattice, law, factors, blank, sound, viscosity, reach, dt)
                     for i in range(count):
                         p: int = order[first + i]
-                        remember_deformation(points, p, work, i)
+                        keep_deformation(points, p, Matrix(*kept(work, DEFORMATION, i, NINE)))
                         if kept(work, DETERMINANT, i, 0.0) > 0.0 and kept(work, MID_JACOBIAN, i, 0.0) > 0.0:
                             remember(points, p, work, i, blank)
                             push(force, lattice, around(points, p, lattice, shape), Matrix(*kept(work, STEP, i, NINE)))
@@ -103,7 +105,7 @@ def strain(work: Any, i: int) -> None:
     keep(work, SWELLING, i, trace(increment))
     keep(work, MID_JACOBIAN, i, det_middle)
     keep(work, DETERMINANT, i, det_now)
-    keep(work, JACOBIAN, i, det_now)
+    keep(work, AFTER, i, det_now)
 
 
 @inline
@@ -117,13 +119,14 @@ def answer(
     deviator S, whose work the law counts per J̄, pulls with J̄ S F⁻ᵀ and the pressure with p cof F.
     """
     own = read(kept(work, STRAIN, i, SIX))
-    swelling, after, before = kept(work, SWELLING, i, 0.0), kept(work, JACOBIAN, i, 0.0), kept(work, BEFORE, i, 0.0)
+    swelling, after, before = kept(work, SWELLING, i, 0.0), kept(work, AFTER, i, 0.0), kept(work, JACOBIAN, i, 0.0)
     shared = deviator(own) + spherical(swelling / 3.0)
     turn, earlier = Matrix(*kept(work, TURN, i, NINE)), read(kept(work, STRESS, i, SIX))
     memory = kept(work, HISTORY, i, blank)
     stress, history, loss = update_stress(law, factors, shared, turn, after, earlier, memory)
     keep(work, STRESS, i, components(stress))
     keep(work, HISTORY, i, history)
+    keep(work, JACOBIAN, i, after)
     growth = after - before
     add(work, LOSS, i, (after - 0.5 * growth) * loss)
     taken = hypoelastic_work(law, growth, earlier, memory, stress, history)

@@ -7,7 +7,7 @@ undeformed one, and with laws whose pressure depends on J alone one pressure: no
 from typing import Any, NamedTuple
 
 from viscopoint.jit import generic, implements
-from viscopoint.tlmpm.block import JACOBIAN, MID_JACOBIAN, SWELLING, VOLUME
+from viscopoint.tlmpm.block import AFTER, MID_JACOBIAN, SWELLING, VOLUME
 from viscopoint.tlmpm.lattice import Lattice
 from viscopoint.workspace import keep, kept
 
@@ -51,11 +51,11 @@ def over_cells(volume: CellMean, work: Any, lattice: Lattice, first: int, last: 
             whole += part
             middle += half
             swept += half * kept(work, SWELLING, i, 0.0)
-            now += part * kept(work, JACOBIAN, i, 0.0)
+            now += part * kept(work, AFTER, i, 0.0)
         if whole > 0.0:  # else only watched
             for i in members:
                 keep(work, SWELLING, i, swept / middle)
-                keep(work, JACOBIAN, i, now / whole)
+                keep(work, AFTER, i, now / whole)
 
 
 VOLUMES: dict[str, type[Local] | type[CellMean]] = {"local": Local, "cell-mean": CellMean}

@@ -9,7 +9,6 @@ from viscopoint.fem.block import (
     BEFORE,
     CORNERS,
     FLOW,
-    HISTORY,
     HOURGLASS,
     HYPOELASTIC,
     JACOBIAN,
@@ -68,7 +67,7 @@ from viscopoint.tensors import (
     trace,
 )
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
-from viscopoint.workspace import BLOCK, add, keep, kept, widest_vectors, workspace
+from viscopoint.workspace import BLOCK, HISTORY, add, keep, kept, widest_vectors, workspace
 
 
 @offer("one-point")

@@ -11,7 +11,6 @@ from viscopoint.fem.block import (
     CORNERS,
     FLAT,
     FLOW,
-    HISTORY,
     HYPOELASTIC,
     JACOBIAN,
     LOSS,
@@ -66,7 +65,7 @@ from viscopoint.laws import History, hypoelastic_work, update_stress
 from viscopoint.slabs import COLOURS, PARTS, part_of
 from viscopoint.tensors import components, deviator, dot, matrix, read, spherical, sym_columns, trace
 from viscopoint.viscosity import BulkViscosity, longest_step, viscous_pressure
-from viscopoint.workspace import BLOCK, add, keep, kept, widest_vectors, workspace
+from viscopoint.workspace import BLOCK, HISTORY, add, keep, kept, widest_vectors, workspace
 
 
 @offer("selective")

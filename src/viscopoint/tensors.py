@@ -20,9 +20,9 @@ from viscopoint.values import (
     hold_as_lanes,
     hold_as_struct,
     inside_kernels,
-    lanewise,
     scaled,
     stored,
+    summed,
 )
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
@@ -349,7 +349,7 @@ inside_kernels(operator.sub, _subtract_vectors, _VEC, _VEC)
 inside_kernels(operator.mul, _scale_vector, types.Number, _VEC)
 inside_kernels(fused, _fused_vectors, _VEC, types.Number, _VEC)
 inside_kernels(fused, accumulated(), _LANES, types.Number, _LANES)
-inside_kernels(operator.add, lanewise("fadd"), _LANES, _LANES)
+inside_kernels(operator.add, summed(), _LANES, _LANES)
 inside_kernels(operator.mul, scaled(), types.Number, _LANES)
 inside_kernels(fetch, fetched(Lanes), types.Array, types.Integer)
 inside_kernels(put, stored(), types.Array, types.Integer, _LANES)

@@ -82,10 +82,6 @@ def inside_kernels(symbol: Any, implementation: Callable[..., Any], *kinds: type
     """Let kernels use ``implementation`` where ``symbol``, an operator or function, meets arguments of these types."""
 
     @overload(symbol, **ATTRIBUTES)
-    def one(a: Any) -> Any:
-        return implementation if len(kinds) == 1 and isinstance(a, kinds[0]) else None
-
-    @overload(symbol, **ATTRIBUTES)
     def two(a: Any, b: Any) -> Any:
         return implementation if len(kinds) == 2 and isinstance(a, kinds[0]) and isinstance(b, kinds[1]) else None
 
@@ -94,17 +90,17 @@ def inside_kernels(symbol: Any, implementation: Callable[..., Any], *kinds: type
         return implementation if len(kinds) == 3 and all(map(isinstance, (a, b, c), kinds)) else None
 
 
-def lanewise(operation: str) -> Any:
-    """Return a function of two values held as lanes that LLVM's ``operation`` (fadd, fsub, fmul) takes at once."""
+def summed() -> Any:
+    """Return a function of two values held as lanes that adds them."""
 
     @intrinsic
-    def both(context: Any, a: Any, b: Any) -> Any:
+    def add(context: Any, a: Any, b: Any) -> Any:
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            return getattr(builder, operation)(*values)
+            return builder.fadd(*values)
 
         return a(a, b), lower
 
-    return lambda a, b: both(a, b)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+    return lambda a, b: add(a, b)  # pyright: ignore[reportCallIssue]  (an intrinsic)
 
 
 def scaled() -> Any:

@@ -72,7 +72,7 @@ from viscopoint.mpm.stress import sum_points
 from viscopoint.mpm.points import at_rest
 points = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
 points.jacobian[:] = 0.9
-sums = np.zeros((64, 8))
+sums = np.zeros((64, 9))
 sum_points(points, Elastic(1e-3, 100.0, 10.0), (), sums)
 print(sums[:, 1].sum(), sum(sum_points.stats.cache_hits.values()))
 """
@@ -89,6 +89,25 @@ def test_an_edited_law_is_never_run_stale_and_a_warm_start_compiles_nothing(tmp_
     law.write_text(law.read_text().replace("return bulk * (", "return 2.0 * bulk * ("))
     edited, _ = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
     assert float(edited) == 2.0 * float(cold)
+
+
+STEPS_OF_ALL = """
+import hashlib
+from viscopoint.case import Case
+from viscopoint.model import build
+for name in ("mpm", "tlmpm", "fem"):
+    method = build(Case.load("paper", method=name)).method
+    for _ in range(40):
+        method.advance(method.stable_step())
+    print(hashlib.sha256(b"".join(values.tobytes() for values in method.state().values())).hexdigest())
+"""
+
+
+@pytest.mark.long
+def test_code_that_was_just_compiled_gives_the_bits_of_code_from_the_disk(tmp_path: Path):
+    compiled = run_python(STEPS_OF_ALL, PACKAGE, tmp_path)
+    assert len(compiled) == 3
+    assert run_python(STEPS_OF_ALL, PACKAGE, tmp_path) == compiled
 
 
 def test_processes_that_fill_one_empty_cache_at_once_agree_and_leave_it_whole(tmp_path: Path):

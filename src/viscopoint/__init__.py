@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from viscopoint.errors import CaseError, InputError, OutputError, ViscopointError
     from viscopoint.reproduction import Reproduction, reproduce
     from viscopoint.results import Run, Snapshot
-    from viscopoint.running import run
+    from viscopoint.running import resume, run
 
 # A thread that waits for the others spins some ten microseconds, then sleeps. By default GNU OpenMP spins for about a
 # millisecond: beside another busy program that made a step of 21,172 points on two cores 40 times slower.
@@ -36,6 +36,7 @@ __all__ = [
     "compare",
     "packaged",
     "reproduce",
+    "resume",
     "run",
 ]
 
@@ -52,6 +53,7 @@ _HOME = {
     "reproduce": "reproduction",
     "Run": "results",
     "Snapshot": "results",
+    "resume": "running",
     "run": "running",
 }
 

@@ -3,20 +3,25 @@
 import contextlib
 import gc
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from viscopoint import interruption
+
 if TYPE_CHECKING:
     from viscopoint.ledger import Row
+    from viscopoint.results import Run
 
 app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     help="A laboratory for the Taylor impact test of viscoelastic solids.",
-    epilog="Exit codes: 0 done, 1 stopped by a guard, 2 bad input, 3 results could not be written, 130 interrupted. "
+    epilog="Exit codes: 0 done, 1 stopped by a guard, 2 bad input, 3 results could not be written, 130 interrupted "
+    "(143: by SIGTERM). "
     "The environment variable VISCOPOINT_CACHE names the folder of compiled code (default: the user's cache folder).",
 )
 
@@ -28,6 +33,17 @@ Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help='Change a key of the case, as in --set rod.radius="4 mm".'),
 ]
+CheckpointEvery = Annotated[
+    str,
+    typer.Option(
+        "--checkpoint-every",
+        metavar="TIME",
+        help='How often to save what `viscopoint resume` goes on from: every "10 s" on the clock, "5 us simulated", or '
+        '"never".',
+    ),
+]
+Figures = Annotated[bool, typer.Option(help="Draw the figures.")]
+Threads = Annotated[int | None, typer.Option(min=1, help="Threads to compute with (default: all).")]
 
 
 def _print_version(wanted: bool) -> None:
@@ -62,12 +78,12 @@ def run(
     ] = None,
     changes: Set = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a run folder that is already there.")] = False,
-    threads: Annotated[int | None, typer.Option(min=1, help="Threads to compute with (default: all).")] = None,
-    figures: Annotated[bool, typer.Option(help="Draw the figures.")] = True,
+    threads: Threads = None,
+    figures: Figures = True,
+    checkpoint_every: CheckpointEvery = "60 s",
 ) -> None:
     """Simulate a case and leave a run folder."""
-    with _messages():
-        from viscopoint import terminal
+    with _messages(), _followed() as company:
         from viscopoint.case import Case
         from viscopoint.running import run as run_case
 
@@ -75,17 +91,41 @@ def run(
         _use_threads(threads)
         name = Path(case).name.removesuffix(".toml")
         folder = out or Path("runs", f"{name}-{method}" if method else name)
+        company.done = run_case(
+            resolved, folder, force=force, figures=figures, checkpoint_every=checkpoint_every,
+            watch=company.watch, tell=company.tell,
+        )  # fmt: skip
+
+
+@app.command()
+def resume(
+    run: RunFolder, threads: Threads = None, figures: Figures = True, checkpoint_every: CheckpointEvery = "60 s"
+) -> None:
+    """Go on with a run that was interrupted or killed, as if nothing had happened."""
+    with _messages(), _followed() as company:
+        from viscopoint.running import resume as resume_run
+
+        _use_threads(threads)
+        company.done = resume_run(
+            run, figures=figures, checkpoint_every=checkpoint_every, watch=company.watch, tell=company.tell
+        )
+
+
+@app.command()
+def verify(run: RunFolder, threads: Threads = None) -> None:
+    """Run the case of a finished run again and compare the results bit by bit."""
+    with _messages(), interruption.ending_at_once():
+        from viscopoint import terminal
+        from viscopoint.verify import verify as verify_run
+
+        _use_threads(threads)
         with terminal.progress("reading") as progress:
-
-            def watch(share: float, row: "Row") -> None:
-                progress(share, f"{row.time * 1e3:.2f} us, step {row.step}")
-
-            def tell(words: str) -> None:
-                progress(None, words)
-
-            done = run_case(resolved, folder, force=force, figures=figures, watch=watch, tell=tell)
-        terminal.print_summary(done)
-    raise typer.Exit({"complete": 0, "interrupted": 130}.get(done.status, 1))
+            company = _Company(progress)
+            verdict = verify_run(run, watch=company.watch, tell=company.tell)
+        for words in verdict.words():
+            typer.echo(words)
+        if not verdict.same:
+            raise typer.Exit(1)
 
 
 @app.command()
@@ -254,6 +294,37 @@ def _messages() -> Any:
     except KeyboardInterrupt:
         typer.echo("viscopoint: interrupted", err=True)
         raise typer.Exit(130) from None
+
+
+class _Company:
+    """Shows how a run goes, and takes it when it is done."""
+
+    def __init__(self, progress: Any) -> None:
+        self.progress = progress
+        self.done: Run | None = None
+
+    def watch(self, share: float, row: "Row") -> None:
+        self.progress(share, f"{row.time * 1e3:.2f} us, step {row.step}")
+
+    def tell(self, words: str) -> None:
+        self.progress(None, words)
+
+
+@contextlib.contextmanager
+def _followed() -> Iterator[_Company]:
+    """Show how a run goes; print its results and exit as it ended."""
+    from viscopoint import terminal
+
+    with interruption.ending_at_once(), terminal.progress("reading") as progress:
+        company = _Company(progress)
+        yield company
+    done = company.done
+    assert done is not None
+    terminal.print_summary(done)
+    if done.status == "interrupted":
+        typer.echo(f"viscopoint: go on with `viscopoint resume {done.folder}`", err=True)
+        raise typer.Exit(interruption.exit_code(done.results.signal))
+    raise typer.Exit(0 if done.status == "complete" else 1)
 
 
 def _changes(settings: list[str] | None) -> dict[str, Any]:

@@ -3,10 +3,11 @@
 import contextlib
 import json
 import os
+import secrets
 import shutil
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from filelock import FileLock, Timeout
 
@@ -48,6 +49,34 @@ def create(folder: Path, force: bool, mark: str = PROVENANCE, needed: Iterable[P
         (folder / ".try").unlink()
 
 
+@contextlib.contextmanager
+def new(folder: Path, force: bool, needed: Iterable[Path] = ()) -> Iterator[Path]:
+    """Yield an empty folder to fill, which then takes its place whole, or not at all; see ``check_free``.
+
+    Raises:
+        InputError: there is something already, or the place cannot be written, or others are at work there.
+    """
+    check_free(folder, force, needed=needed)
+    part = folder.parent / f".{secrets.token_hex(8)}.part"
+    with _place_faults(folder):
+        part.mkdir(parents=True)
+    try:
+        yield part
+        with _place_faults(folder), contextlib.ExitStack() as stack:
+            sync_folder(part)
+            if folder.is_dir() and any(folder.iterdir()):
+                stack.enter_context(alone(folder))
+                check_free(folder, force, needed=needed)
+                old = part.with_suffix(".old")
+                folder.rename(old)
+                stack.callback(shutil.rmtree, old, ignore_errors=True)
+            part.rename(folder)
+            sync_folder(folder.parent)
+    except BaseException:
+        shutil.rmtree(part, ignore_errors=True)
+        raise
+
+
 def make(folder: Path, mark: str) -> None:
     """Make a folder for results that are completed bit by bit, or take the one there if it holds the file ``mark``.
 
@@ -68,13 +97,15 @@ def _place_faults(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def disk_faults(folder: Path) -> Iterator[None]:
-    """Turn a full or vanished disk into a message."""
+def disk_faults(folder: Path, advice: str = "") -> Iterator[None]:
+    """Turn a full or vanished disk into a message that ends with some advice."""
     try:
         yield
     except OSError as error:
         wrong = error.strerror or error
-        raise OutputError(f"output folder {folder}: cannot be written ({wrong}); what is there stays") from error
+        raise OutputError(
+            f"output folder {folder}: cannot be written ({wrong}); what is there stays{advice}"
+        ) from error
 
 
 def is_file(path: Path) -> bool:
@@ -109,6 +140,7 @@ def whole(path: Path) -> Iterator[Path]:
     try:
         yield part
         part.replace(path)
+        sync_folder(path.parent)
     except BaseException:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
@@ -119,8 +151,23 @@ def write_text(path: Path, text: str) -> None:
     """Write a file whole or not at all."""
     with whole(path) as part, part.open("w", encoding="utf-8") as file:
         file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
+        sync(file)
+
+
+def sync(file: IO[Any]) -> None:
+    """Bring all that was written to the disk itself."""
+    file.flush()
+    os.fsync(file.fileno())
+
+
+def sync_folder(folder: Path) -> None:
+    """Bring a folder's list of files to the disk itself, where the system has a way to do it."""
+    if hasattr(os, "O_DIRECTORY"):
+        number = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
 
 
 def write_json(path: Path, data: dict[str, Any]) -> None:

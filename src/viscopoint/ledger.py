@@ -1,5 +1,6 @@
 """Energy, momentum and shape, measured on any method: one row of the history."""
 
+from collections.abc import Sequence
 from typing import Annotated, NamedTuple, get_type_hints
 
 from viscopoint.body import Surface
@@ -54,6 +55,14 @@ class Row(NamedTuple):
 UNITS: dict[str, str] = {name: hint.__metadata__[0] for name, hint in get_type_hints(Row, include_extras=True).items()}
 
 
+def row_of(values: Sequence[float]) -> Row:
+    """Return a row of numbers that were one."""
+    return Row._make(kind(value) for kind, value in zip(_KINDS, values, strict=True))
+
+
+_KINDS = [int if unit == "1" else float for unit in UNITS.values()]
+
+
 class Ledger:
     """Keeps the account of a run: what there was at the start, and the row before."""
 
@@ -61,6 +70,10 @@ class Ledger:
         self.method, self.surface = method, surface
         self.start: Totals = method.totals()
         self.before: Row = self.row(0.0, 0, 0.0)
+
+    def restore(self, start: Sequence[float], before: Sequence[float]) -> None:
+        """Take over the account of a run that was begun earlier."""
+        self.start, self.before = Totals.of_flat(start), row_of(before)
 
     def row(self, time: float, step: int, time_step: float) -> Row:
         """Measure the method now."""

@@ -1,5 +1,6 @@
 """The face that the driver, the ledger and the outputs see of any method, MPM or FEM."""
 
+from collections.abc import Sequence
 from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -40,6 +41,16 @@ class Totals(NamedTuple):
             self.kinetic + self.stored + self.dissipated + self.hypoelastic + self.viscous + self.hourglass
             + self.eroded + self.contact + self.friction
         )  # fmt: skip
+
+    def flat(self) -> list[float]:
+        """Return all numbers in a row."""
+        return np.hstack(self).tolist()
+
+    @classmethod
+    def of_flat(cls, numbers: Sequence[float]) -> "Totals":
+        """Return what gave these numbers."""
+        *energies, m0, m1, m2, i0, i1, i2, mass = numbers
+        return cls._make([*energies, np.array([m0, m1, m2]), np.array([i0, i1, i2]), mass])
 
 
 class Advice(NamedTuple):
@@ -89,7 +100,10 @@ class Method(Protocol):
         ...
 
     def state(self) -> dict[str, Rows]:
-        """Return exactly what ``restore`` needs to go on as if nothing had happened."""
+        """Return exactly what ``restore`` needs to go on as if nothing had happened.
+
+        The arrays are the method's own, until the next step, and leave out what building the case anew gives.
+        """
         ...
 
     def restore(self, state: dict[str, Rows]) -> None:

@@ -12,7 +12,8 @@ import numba
 
 from viscopoint.sources import digest
 
-FORMAT = 5  # of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell
+# of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums in fields
+FORMAT, READABLE = 6, (5, 6)
 PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 
 
@@ -32,6 +33,7 @@ def provenance() -> dict[str, Any]:
         "command": [Path(sys.argv[0]).name, *sys.argv[1:]] if sys.argv and sys.argv[0] else [],
         "started": now(),
         "ended": None,
+        "resumed": [],
     }
 
 

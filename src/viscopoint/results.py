@@ -20,7 +20,7 @@ from viscopoint.ledger import UNITS
 from viscopoint.method import Field
 from viscopoint.output import fields as field_file
 from viscopoint.output import history as history_file
-from viscopoint.provenance import FORMAT
+from viscopoint.provenance import READABLE
 from viscopoint.summary import Summary
 from viscopoint.units import parse
 
@@ -51,9 +51,9 @@ class Run:
         """Open a run folder; raise ``InputError`` if it is none or from another version."""
         self.folder = Path(folder)
         self.provenance = self._json(PROVENANCE)
-        if self.provenance.get("format") != FORMAT:
-            found = self.provenance.get("format")
-            raise InputError(f"run folder {folder}: format {found}, but this version reads format {FORMAT}")
+        if self.provenance.get("format") not in READABLE:
+            found, known = self.provenance.get("format"), " and ".join(map(str, READABLE))
+            raise InputError(f"run folder {folder}: format {found}, but this version reads formats {known}")
         self.summary = self._json(SUMMARY)
         try:
             self.results = Summary.model_validate(self.summary)

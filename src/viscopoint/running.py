@@ -1,4 +1,4 @@
-"""Runs a case and leaves a run folder."""
+"""Runs a case and leaves a run folder, or goes on with one that was interrupted."""
 
 import contextlib
 import shutil
@@ -6,18 +6,33 @@ import weakref
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import NamedTuple
 
+from viscopoint import checkpoint
 from viscopoint.case import Case
+from viscopoint.checkpoint import Checkpoint, Every, Keeper
 from viscopoint.errors import InputError
-from viscopoint.folder import CASE, PROVENANCE, SUMMARY, check_free, create, disk_faults, write_json, write_text
+from viscopoint.folder import CASE, PROVENANCE, SUMMARY, alone, check_free, disk_faults, new, write_json, write_text
+from viscopoint.interruption import noted
 from viscopoint.model import Model, build
-from viscopoint.output import WRITERS
+from viscopoint.output import WRITERS, Writer
 from viscopoint.provenance import now, provenance
-from viscopoint.results import Run
+from viscopoint.results import CORRUPT, Run
 from viscopoint.simulation import Simulation, Watch
+from viscopoint.sources import digest
 from viscopoint.summary import Summary
 
 MOST_STEPS = 100_000_000
+USUAL_CHECKPOINTS = "60 s"
+Tell = Callable[[str], None]
+
+
+class Company(NamedTuple):
+    """Who follows a run, and what else is wanted of it."""
+
+    watch: Watch | None  # called with the share done and the ledger's newest row
+    tell: Tell  # called with words for what begins
+    figures: bool
 
 
 def run(
@@ -26,8 +41,9 @@ def run(
     *,
     force: bool = False,
     figures: bool = True,
+    checkpoint_every: str = USUAL_CHECKPOINTS,
     watch: Watch | None = None,
-    tell: Callable[[str], None] | None = None,
+    tell: Tell | None = None,
 ) -> Run:
     """Simulate a case and return its run folder, opened.
 
@@ -36,6 +52,7 @@ def run(
         out: the run folder to make; by default a temporary one that goes with the returned ``Run``.
         force: replace a run folder that is already there.
         figures: draw the figures too.
+        checkpoint_every: "10 s" on the clock, "5 us simulated", or "never": from the last one ``resume`` goes on.
         watch: called with the share done and the ledger's newest row, after each row.
         tell: called with words for what begins, before anything that may take long.
 
@@ -46,37 +63,133 @@ def run(
         InputError: the folder is already there or cannot be made, or the case would take forever.
         OutputError: the results could not be written.
     """
+    every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
     if out is not None:
         check_free(Path(out), force, needed=case.method.files())  # before anything takes time
-    tell = tell or _keep_silent
-    tell("building the model")
+    company.tell("building the model")
     model = build(case)
     _bound_steps(model)
-    folder = Path(mkdtemp(prefix="viscopoint-") if out is None else out)
-    create(folder, force)
-    with disk_faults(folder):
-        made = provenance()
-        write_json(folder / PROVENANCE, made)
-        summary = Summary.of_start(model.body)
-        _write_summary(folder, summary)
+    temporary = Path(mkdtemp(prefix="viscopoint-")) if out is None else None
+    folder = temporary / "run" if temporary else Path(out or "")
+    with disk_faults(folder), new(folder, force, case.method.files()) as fresh:
+        write_json(fresh / PROVENANCE, provenance())
+        _write_summary(fresh, Summary.of_start(model.body))
         kept = case.resolved()
-        kept = kept.model_copy(update={"method": kept.method.kept_in(folder)})
-        write_text(folder / CASE, kept.to_toml())
+        kept = kept.model_copy(update={"method": kept.method.kept_in(fresh)})
+        write_text(fresh / CASE, kept.to_toml())
+    with alone(folder):
+        result = _compute(folder, model, every, None, company)
+    if temporary:
+        weakref.finalize(result, shutil.rmtree, temporary, ignore_errors=True)
+    return result
+
+
+def resume(
+    folder: str | Path,
+    *,
+    figures: bool = True,
+    checkpoint_every: str = USUAL_CHECKPOINTS,
+    watch: Watch | None = None,
+    tell: Tell | None = None,
+) -> Run:
+    """Go on with a run that was interrupted or killed, from its last checkpoint or else from the start.
+
+    What it leaves has the same bits as if nothing had happened. A run that is complete is returned as it is, with its
+    figures drawn if they are missing and wanted.
+
+    Args:
+        folder: the run folder.
+        figures: draw the figures too.
+        checkpoint_every: as ``run`` takes it.
+        watch: called with the share done and the ledger's newest row, after each row.
+        tell: called with words for what begins, before anything that may take long.
+
+    Raises:
+        InputError: the folder holds no run, or one by other sources than these, or another process is at work there,
+            or its checkpoints are damaged.
+        OutputError: the results could not be written.
+    """
+    folder = Path(folder)
+    every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
+    _check_own(folder)
+    earlier = Run(folder)
+    with alone(folder):
+        if earlier.status in ("complete", "stopped"):
+            with disk_faults(folder):
+                return _finished(earlier, company)
+        if earlier.provenance.get("sources") != digest():
+            raise InputError(
+                f"run folder {folder}: begun by other sources ({earlier.provenance.get('sources')}) than these "
+                f"({digest()}), which would not give the same results; run {folder / CASE} anew"
+            )
+        company.tell("building the model")
+        model = build(earlier.case)
+        found, faults = checkpoint.newest(folder, model.method.state())
+        if faults and found is None:
+            raise InputError(
+                f"run folder {folder}: no checkpoint can be read ({'; '.join(faults)}); remove "
+                f"{folder / checkpoint.FOLDER} to begin from the start"
+            )
+        if found and (found.progress.case, found.progress.sources) != (checkpoint.hashed(folder / CASE), digest()):
+            raise InputError(f"run folder {folder}: its checkpoint is not of its {CASE} or of these sources")
+        for fault in faults:
+            company.tell(f"checkpoint {fault}: taking the one before")
+        with disk_faults(folder):
+            write_json(
+                folder / PROVENANCE,
+                earlier.provenance | {"ended": None, "resumed": [*earlier.provenance.get("resumed", []), now()]},
+            )
+            _write_summary(folder, Summary.of_start(model.body))
+        return _compute(folder, model, every, found, company)
+
+
+def _compute(folder: Path, model: Model, every: Every, found: Checkpoint | None, company: Company) -> Run:
+    """Let a model run to its end, writing into its folder, from a checkpoint if there is one."""
+    with disk_faults(folder, f"; `viscopoint resume {folder}` goes on where it can be written"):
         with contextlib.ExitStack() as stack:
-            writers = [stack.enter_context(contextlib.closing(make(folder, model.body))) for make in WRITERS]
-            tell("starting; the first time this compiles")
-            simulation = Simulation(model, writers, watch)
+            writers = [stack.enter_context(contextlib.closing(writer)) for writer in _writers(folder, model, found)]
+            keeper = Keeper(folder, every, digest(), checkpoint.hashed(folder / CASE))
+            company.tell("going on" if found else "starting; the first time this compiles")
+            stop = stack.enter_context(noted(company.tell))
+            simulation = Simulation(model, writers, company.watch, keeper, stop)
+            if found:
+                simulation.resume(found)
             outcome = simulation.run()
-        _write_summary(folder, summary.ended(outcome, simulation.ledger.start.kinetic))
-        write_json(folder / PROVENANCE, made | {"ended": now()})
+        start = simulation.ledger.start.kinetic
+        _write_summary(folder, Summary.of_start(model.body).ended(outcome, start))
+        result = Run(folder)
+        write_json(folder / PROVENANCE, result.provenance | {"ended": now()})
         result = Run(folder)
         result.body = model.body  # not made again
-        if out is None:
-            weakref.finalize(result, shutil.rmtree, folder, ignore_errors=True)
-        if figures and outcome.rows:
-            tell("drawing figures")
-            result.draw()
-        return result
+        return _finished(result, company)
+
+
+def _writers(folder: Path, model: Model, found: Checkpoint | None) -> list[Writer]:
+    if found is None:
+        return [make(folder, model.body, None) for make in WRITERS]
+    try:
+        return [make(folder, model.body, mark) for make, mark in zip(WRITERS, found.progress.marks, strict=True)]
+    except CORRUPT as error:
+        if isinstance(error, OSError) and error.errno:
+            raise
+        raise InputError(f"run folder {folder}: what it holds does not go with its checkpoint ({error})") from None
+
+
+def _finished(result: Run, company: Company) -> Run:
+    """Leave nothing behind that only an unfinished run needs, and draw the figures."""
+    if result.status != "interrupted":
+        checkpoint.remove(result.folder)
+    if company.figures and result.rows:
+        company.tell("drawing figures")
+        result.draw()
+    return result
+
+
+def _check_own(folder: Path) -> None:
+    """Refuse a folder in which writing would reach files elsewhere."""
+    for path in folder.rglob("*"):
+        if path.is_symlink():
+            raise InputError(f"run folder {folder}: {path.name} is a link; only a folder of plain files can be resumed")
 
 
 def _keep_silent(words: str) -> None:

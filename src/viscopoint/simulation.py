@@ -5,8 +5,10 @@ import time as clock
 from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
+from viscopoint.checkpoint import Checkpoint, Keeper
 from viscopoint.guards import GuardError, check_row, check_step
-from viscopoint.ledger import Ledger, Row
+from viscopoint.interruption import Stop
+from viscopoint.ledger import Ledger, Row, row_of
 from viscopoint.model import Model
 from viscopoint.output import Writer
 
@@ -19,6 +21,7 @@ class Outcome(NamedTuple):
 
     status: Literal["complete", "stopped", "interrupted"]
     reason: str  # why, if it is not complete
+    signal: str  # that interrupted it, such as "SIGINT"
     rows: list[Row]  # at the snapshots
     steps: int
     wall_time: float  # s, of the steps and the ledger, less the first step, which may compile
@@ -27,10 +30,19 @@ class Outcome(NamedTuple):
 
 
 class Simulation:
-    """A model on its way from the start of its case to the end."""
+    """A model on its way from the start of its case, or from a checkpoint, to the end."""
 
-    def __init__(self, model: Model, writers: Sequence[Writer] = (), watch: Watch | None = None) -> None:
+    def __init__(
+        self,
+        model: Model,
+        writers: Sequence[Writer] = (),
+        watch: Watch | None = None,
+        keeper: Keeper | None = None,
+        stop: Stop | None = None,
+    ) -> None:
+        """Prepare to run a model; ``keeper`` writes checkpoints, ``stop`` says when somebody wants to end it."""
         self.model, self.writers, self.watch = model, writers, watch
+        self.keeper, self.stop = keeper, stop or Stop()
         self.ledger = Ledger(model.method, model.body.surface)
         self.time, self.step, self.time_step, self.busy = 0.0, 0, 0.0, 0.0
         self.rows: list[Row] = []
@@ -38,18 +50,39 @@ class Simulation:
         self.first_step = model.method.stable_step()
 
     def run(self) -> Outcome:
-        """Run to the end of the case; a guard or Ctrl-C ends it earlier, and everything up to then is kept."""
+        """Run to the end of the case; a guard or an interruption ends it earlier, and all up to then is kept."""
         status, reason = "complete", ""
         try:
-            self._snapshot(self._record(0.0))
-            for instant in self._instants():
+            if not self.rows:
+                self._snapshot(self._record(0.0))
+            for instant in self._instants()[len(self.rows) - 1 :]:
                 self._snapshot(self._advance_to(instant))
         except GuardError as error:
             status, reason = "stopped", str(error)
             self._keep_last_state()
         except KeyboardInterrupt:
-            status, reason = "interrupted", f"interrupted after t = {self.ledger.before.time * 1e3:.4g} us"
-        return Outcome(status, reason, self.rows, self.step, self.busy, *self.errors)
+            status, reason = "interrupted", f"interrupted after t = {self.time * 1e3:.4g} us"
+        return Outcome(status, reason, self.stop.asked, self.rows, self.step, self.busy, *self.errors)
+
+    def resume(self, checkpoint: Checkpoint) -> None:
+        """Go on from a checkpoint of the same model by the same version."""
+        progress = checkpoint.progress
+        self.model.method.restore(checkpoint.state)
+        self.ledger.restore(progress.start, progress.before)
+        self.time, self.step, self.time_step = progress.time, progress.step, progress.time_step
+        self.busy, self.errors, self.first_step = progress.busy, progress.errors, progress.first_step
+        self.rows = [row_of(values) for values in progress.rows]
+
+    def _checkpoint(self) -> None:
+        if self.keeper is None:
+            return
+        self.keeper.write(
+            self.model.method.state(),
+            time=self.time, step=self.step, time_step=self.time_step, first_step=self.first_step,
+            busy=self.busy, errors=self.errors,
+            start=self.ledger.start.flat(), before=list(self.ledger.before), rows=[list(row) for row in self.rows],
+            marks=[writer.mark() for writer in self.writers],
+        )  # fmt: skip
 
     def _instants(self) -> list[float]:
         """Return the times of all snapshots after the start."""
@@ -75,6 +108,10 @@ class Simulation:
                 row = self._record(dt)
             check_step(self.time, self.first_step, case.guards, method)
             self.busy += clock.perf_counter() - began if self.step > 1 else 0.0
+            if self.stop.asked or (self.keeper and self.keeper.due(self.time)):
+                self._checkpoint()
+            if self.stop.asked:
+                raise KeyboardInterrupt
         return row
 
     def _record(self, dt: float) -> Row:

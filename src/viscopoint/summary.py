@@ -37,6 +37,7 @@ class Summary(BaseModel):
 
     status: Literal["running", "complete", "stopped", "interrupted"]
     reason: str = ""  # why it is not complete
+    signal: str = ""  # that interrupted it
     points: int  # material points, or nodes
     elements: int = 0
     mesh: MeshQuality | None = None  # at the start
@@ -62,6 +63,7 @@ class Summary(BaseModel):
             update={
                 "status": outcome.status,
                 "reason": outcome.reason,
+                "signal": outcome.signal,
                 "steps": outcome.steps,
                 "wall_time": outcome.wall_time,
                 "initial_energy": initial_energy,

@@ -28,6 +28,7 @@ from viscopoint.viscosity import BulkViscosity, signal_speed
 from viscopoint.wall import TALLY, RigidWall, Symmetry
 
 ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane of symmetry stand on it
+CONSTANT = ("mass", "fixed", "corner", "volume")  # of what nodes and elements have
 NO_WALL = RigidWall(-np.inf, 0.0)
 
 
@@ -209,17 +210,12 @@ class FiniteElementMethod:
 
     def state(self) -> dict[str, Rows]:
         named = {**self.nodes._asdict(), **self.elements._asdict()}
-        kept = {name: np.array(values) for name, values in named.items()}
-        return {
-            **kept,
-            "critical": self.limits.critical.copy(),
-            "weakest": self.limits.weakest.copy(),
-            "tally": self.tally.copy(),
-        }
+        moving = {name: rows for name, rows in named.items() if name not in CONSTANT}
+        return {**moving, "critical": self.limits.critical, "tally": self.tally}
 
     def restore(self, state: dict[str, Rows]) -> None:
-        self.nodes = Nodes(**{name: np.array(state[name]) for name in Nodes._fields})
-        self.elements = Elements(**{name: np.array(state[name]) for name in Elements._fields})
+        nodes = {name: np.array(state[name]) for name in Nodes._fields if name not in CONSTANT}
+        elements = {name: np.array(state[name]) for name in Elements._fields if name not in CONSTANT}
+        self.nodes, self.elements = self.nodes._replace(**nodes), self.elements._replace(**elements)
         self.limits.critical[:] = state["critical"]
-        self.limits.weakest[:] = state["weakest"]
         self.tally = np.array(state["tally"])

@@ -23,6 +23,8 @@ from viscopoint.mpm.volumes.local import Local
 from viscopoint.viscosity import BulkViscosity, signal_speed
 from viscopoint.wall import TALLY, RigidWall, Symmetry
 
+CONSTANT = ("mass", "volume")  # of what points carry
+
 
 @dataclass(frozen=True)
 class Discretisation:
@@ -183,11 +185,12 @@ class MaterialPointMethod:
         return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
 
     def state(self) -> dict[str, Rows]:
-        named = {name: np.array(values) for name, values in self.points._asdict().items()}
-        return {**named, "critical": self.grid.critical.copy(), "tally": self.tally.copy()}
+        moving = {name: rows for name, rows in self.points._asdict().items() if name not in CONSTANT}
+        return {**moving, "critical": self.grid.critical, "tally": self.tally}
 
     def restore(self, state: dict[str, Rows]) -> None:
-        self.points = Points(**{name: np.array(state[name]) for name in Points._fields})
+        moving = {name: np.array(state[name]) for name in Points._fields if name not in CONSTANT}
+        self.points = self.points._replace(**moving)
         self.grid.critical[:] = state["critical"]
         self.tally = np.array(state["tally"])
         self._sort()

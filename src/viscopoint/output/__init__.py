@@ -1,7 +1,8 @@
 """What a run leaves behind: one short file per kind of output, found by itself.
 
 A writer is made with the run's folder and the body, sees every row of the ledger and every snapshot, and is closed at
-the end.
+the end. A checkpoint asks it for a mark, where it has come to; one made with a mark goes on from there and forgets what
+an earlier process wrote after it.
 """
 
 from collections.abc import Callable, Mapping
@@ -25,16 +26,24 @@ class Writer(Protocol):
         """Take all fields at a snapshot [ms]."""
         ...
 
+    def mark(self) -> int:
+        """Return where the output has come to, which is on the disk for good."""
+        ...
+
     def close(self) -> None:
         """Finish; nothing comes after."""
         ...
 
 
-WRITERS: list[Callable[[Path, Body], Writer]] = []
+Make = Callable[[Path, Body, int | None], Writer]
+WRITERS: list[Make] = []
 
 
-def offer(writer: Callable[[Path, Body], Writer]) -> Callable[[Path, Body], Writer]:
-    """Let every run use the decorated writer, a class or a function of the run's folder and the body at the start."""
+def offer(writer: Make) -> Make:
+    """Let every run use the decorated writer.
+
+    It is a class or a function of the run's folder, the body at the start, and the mark to go on from, if any.
+    """
     WRITERS.append(writer)
     return writer
 

@@ -1,14 +1,15 @@
 """``fields.vtkhdf``: all fields at each snapshot, one file that ParaView and PyVista open as an animation.
 
 Temporal VTKHDF 2.3 of type UnstructuredGrid: finite elements as hexahedra, or quadrilaterals of an axisymmetric body's
-half section; material points as vertices. The cells are stored once; positions and fields are appended, and a snapshot
-counts (``NSteps``) only when all of it is there.
+half section; material points as vertices. The cells are stored once; positions and fields are appended, each snapshot
+as a whole or not at all (``transaction``), with a checksum of every piece, so that damage is found and not shown.
 """
 
+import contextlib
 import errno
 import os
 import shutil
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from viscopoint.arrays import Indices
 from viscopoint.body import Body
 from viscopoint.method import Field
 from viscopoint.output import offer
+from viscopoint.transaction import change, reading
 
 NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
@@ -27,31 +29,42 @@ KINDS = {1: 1, 4: 9, 8: 12}  # VTK's cell types by the number of corners: vertex
 DATA = {"points": "PointData", "cells": "CellData"}
 CHUNK = 16_384  # greatest number of rows compressed together
 RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
+LAYOUT = ("v110", "v110")  # of HDF5: the first with checksums of all that is not data
+FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 
 
 @offer
 class Fields:
     """Appends snapshots; the file is closed in between."""
 
-    def __init__(self, folder: Path, body: Body) -> None:
-        self.path, self.cells = folder / NAME, body.cells
+    def __init__(self, folder: Path, body: Body, mark: int | None) -> None:
+        self.path, self.cells, self.count = folder / NAME, body.cells, mark or 0
+        if mark is None:
+            self.path.unlink(missing_ok=True)
+        else:
+            with _changed(self.path) as file:
+                _rewind(file["VTKHDF"], mark)
 
     def row(self, row: Any) -> None:
         pass
 
     def snapshot(self, time: float, fields: Mapping[str, Field]) -> None:
         _ensure_space(self.path.parent, sum(field.values.nbytes for field in fields.values()))
-        with _opened(self.path, "a") as file:
+        with _changed(self.path) as file:
             if "VTKHDF" not in file:
                 _begin(file, fields, self.cells)
             _append(file["VTKHDF"], time, fields)
+        self.count += 1
+
+    def mark(self) -> int:
+        return self.count
 
     def close(self) -> None:
         pass
 
 
 def _ensure_space(folder: Path, size: int) -> None:
-    """Raise ``OSError`` where a snapshot may not fit: HDF5 does not survive a disk that fills up under it."""
+    """Raise ``OSError`` where a snapshot may not fit, before it is compressed."""
     if shutil.disk_usage(folder).free < size + RESERVE:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
@@ -106,9 +119,24 @@ def _append(root: Any, time: float, fields: Mapping[str, Field]) -> None:
     steps.attrs["NSteps"] = count + 1
 
 
+def _rewind(root: Any, count: int) -> None:
+    """Forget all snapshots after the first ``count``."""
+    steps = root["Steps"]
+    sizes = {"PointData": count * int(root["NumberOfPoints"][0]), "CellData": count * int(root["NumberOfCells"][0])}
+    root["Points"].resize(sizes["PointData"], axis=0)
+    for group, size in sizes.items():
+        for name, data in root[group].items():
+            if name != INITIAL:
+                data.resize(size, axis=0)
+            steps[f"{group}Offsets"][name].resize(count, axis=0)
+    for name in ("Values", "PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"):
+        steps[name].resize(count, axis=0)
+    steps.attrs["NSteps"] = count
+
+
 def _whole(group: Any, name: str, values: NDArray[Any]) -> None:
     """Store an array that never changes."""
-    group.create_dataset(name, data=values, compression="gzip", compression_opts=1, shuffle=True)
+    group.create_dataset(name, data=values, **FILTERS)
 
 
 def _growing(group: Any, name: str, field: Field) -> None:
@@ -116,9 +144,8 @@ def _growing(group: Any, name: str, field: Field) -> None:
     count, rest = max(len(field.values), 1), field.values.shape[1:]
     rows = -(-count // -(-count // CHUNK))
     dataset = group.create_dataset(
-        name, (0, *rest), field.values.dtype,
-        maxshape=(None, *rest), chunks=(rows, *rest), compression="gzip", compression_opts=1, shuffle=True,
-    )  # fmt: skip
+        name, (0, *rest), field.values.dtype, maxshape=(None, *rest), chunks=(rows, *rest), **FILTERS
+    )
     dataset.attrs["unit"] = field.unit
 
 
@@ -128,21 +155,29 @@ def _extend(dataset: Any, rows: NDArray[Any] | list[Any]) -> None:
     dataset[start:] = rows
 
 
-def _opened(path: Path, mode: Any) -> Any:
-    """Open the file; h5py's types say of no name in it whether it is a group or a dataset."""
-    return h5py.File(path, mode)
+@contextlib.contextmanager
+def _changed(path: Path) -> Iterator[Any]:
+    """Open the file to change it; h5py's types say of no name in it whether it is a group or a dataset."""
+    with change(path) as overlay, h5py.File(overlay, "r+" if overlay.size else "w", libver=LAYOUT) as file:
+        yield file
+
+
+@contextlib.contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    with reading(path) as raw, h5py.File(raw, "r") as file:
+        yield file
 
 
 def times(path: Path) -> NDArray[np.float64]:
     """Return the times of the snapshots in a file [ms]."""
-    with _opened(path, "r") as file:
+    with _opened(path) as file:
         steps = file["VTKHDF/Steps"]
         return steps["Values"][: int(steps.attrs["NSteps"])]
 
 
 def read(path: Path, number: int, only: Collection[str] | None = None) -> dict[str, Field]:
     """Return all fields of a snapshot, by its number, or ``only`` some, as far as they are there."""
-    with _opened(path, "r") as file:
+    with _opened(path) as file:
         root = file["VTKHDF"]
         counts = {"points": int(root["NumberOfPoints"][0]), "cells": int(root["NumberOfCells"][0])}
 

@@ -1,6 +1,7 @@
 """``history.csv``: one line per row of the ledger, units in the header."""
 
 import csv
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viscopoint.body import Body
+from viscopoint.folder import sync
 from viscopoint.ledger import UNITS, Row
 from viscopoint.method import Field
 from viscopoint.output import offer
@@ -19,16 +21,26 @@ NAME = "history.csv"
 class History:
     """Writes lines as they come, so that an interrupted run keeps them."""
 
-    def __init__(self, folder: Path, body: Body) -> None:
-        self.file = (folder / NAME).open("w", newline="", encoding="utf-8")
+    def __init__(self, folder: Path, body: Body, mark: int | None) -> None:
+        self.file = (folder / NAME).open("w" if mark is None else "r+", newline="", encoding="utf-8")
         self.table = csv.writer(self.file)
-        self.table.writerow(f"{name} [{unit}]" for name, unit in UNITS.items())
+        if mark is None:
+            self.table.writerow(f"{name} [{unit}]" for name, unit in UNITS.items())
+        else:
+            if os.fstat(self.file.fileno()).st_size < mark:
+                raise ValueError(f"{NAME} is cut off")
+            self.file.truncate(mark)
+            self.file.seek(mark)
 
     def row(self, row: Row) -> None:
         self.table.writerow(row)
 
     def snapshot(self, time: float, fields: Mapping[str, Field]) -> None:
         self.file.flush()
+
+    def mark(self) -> int:
+        sync(self.file)
+        return self.file.tell()
 
     def close(self) -> None:
         self.file.close()

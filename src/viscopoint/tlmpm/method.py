@@ -23,6 +23,7 @@ from viscopoint.viscosity import BulkViscosity, longest_step
 from viscopoint.wall import TALLY, RigidWall, Symmetry
 
 ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane of symmetry stand on it
+CONSTANT = ("reference", "volume", "mass", "fixed", "above")  # of what points and nodes have
 NO_WALL = RigidWall(-np.inf, 0.0)
 
 
@@ -210,12 +211,13 @@ class TotalLagrangianMethod:
         return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
 
     def state(self) -> dict[str, Rows]:
-        named = {f"point_{name}": np.array(values) for name, values in self.points._asdict().items()}
-        named |= {f"node_{name}": np.array(values) for name, values in self.nodes._asdict().items()}
-        return {**named, "critical": self.critical.copy(), "tally": self.tally.copy()}
+        points = {f"point_{name}": rows for name, rows in self.points._asdict().items() if name not in CONSTANT}
+        nodes = {f"node_{name}": rows for name, rows in self.nodes._asdict().items() if name not in CONSTANT}
+        return {**points, **nodes, "critical": self.critical, "tally": self.tally}
 
     def restore(self, state: dict[str, Rows]) -> None:
-        self.points = Points(**{name: np.array(state[f"point_{name}"]) for name in Points._fields})
-        self.nodes = Nodes(**{name: np.array(state[f"node_{name}"]) for name in Nodes._fields})
+        points = {name: np.array(state[f"point_{name}"]) for name in Points._fields if name not in CONSTANT}
+        nodes = {name: np.array(state[f"node_{name}"]) for name in Nodes._fields if name not in CONSTANT}
+        self.points, self.nodes = self.points._replace(**points), self.nodes._replace(**nodes)
         self.critical[:] = state["critical"]
         self.tally = np.array(state["tally"])

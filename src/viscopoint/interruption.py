@@ -1,0 +1,71 @@
+"""Ctrl-C and the system's request to end (SIGTERM): noted, so that a run ends where it can be gone on with."""
+
+import contextlib
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from types import FrameType
+from typing import Any
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SHOW_CURSOR = "\x1b[?25h"  # which a progress bar hides
+
+
+class Stop:
+    """Whether a run was asked to end, and by which signal."""
+
+    asked = ""  # such as "SIGINT"
+
+
+@contextlib.contextmanager
+def noted(tell: Callable[[str], None]) -> Iterator[Stop]:
+    """Yield what notes the first signal; a second one does what it did before.
+
+    Outside of the main thread signals go elsewhere, and one that is ignored stays so.
+    """
+    stop = Stop()
+    before: dict[int, Any] = {}
+
+    def note(number: int, frame: FrameType | None) -> None:
+        stop.asked = signal.Signals(number).name
+        _put_back(before)
+        tell("interrupted: finishing the step (once more: at once)")
+
+    if threading.current_thread() is threading.main_thread():
+        before |= {number: signal.getsignal(number) for number in SIGNALS}
+        for number in SIGNALS:
+            if before[number] != signal.SIG_IGN:
+                signal.signal(number, note)
+    try:
+        yield stop
+    finally:
+        _put_back(before)
+
+
+@contextlib.contextmanager
+def ending_at_once() -> Iterator[None]:
+    """Let a signal end the process there and then: whatever we write is whole or not there at every instant."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        if sys.stderr.isatty():
+            sys.stderr.write(SHOW_CURSOR)
+        os.write(2, b"viscopoint: interrupted\n")
+        os._exit(128 + number)
+
+    before: dict[int, Any] = {number: signal.signal(number, end) for number in SIGNALS}
+    try:
+        yield
+    finally:
+        _put_back(before)
+
+
+def exit_code(name: str) -> int:
+    """Return what a process that a signal ended exits with, such as 130 for "SIGINT"."""
+    return 128 + signal.Signals[name]
+
+
+def _put_back(before: dict[int, Any]) -> None:
+    for number, handler in before.items():
+        signal.signal(number, handler)

@@ -1,0 +1,105 @@
+"""Runs a run folder's case again and tells whether the results have the same bits."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from viscopoint.errors import InputError
+from viscopoint.results import Run
+from viscopoint.running import Tell, run
+from viscopoint.simulation import Watch
+
+TIMED = {"wall_time"}  # of the summary, what differs from one run to the next
+MOST_TOLD = 10  # differences
+
+
+class Difference(NamedTuple):
+    """Where two runs have other numbers."""
+
+    place: str  # such as "stress at 20 us"
+    numbers: int  # that differ
+    greatest: float  # absolute difference; infinite where shapes or types differ
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.numbers} numbers differ, by at most {self.greatest:.3g}"
+
+
+class Verdict(NamedTuple):
+    """What a comparison of two runs found."""
+
+    numbers: int  # compared
+    differences: list[Difference]
+    notes: list[str]  # on what may explain a difference
+
+    @property
+    def same(self) -> bool:
+        """Whether all bits are the same."""
+        return not self.differences
+
+    def words(self) -> Iterator[str]:
+        """Say what was found, a line each."""
+        if self.same:
+            yield f"the same: {self.numbers} numbers of history, snapshots and summary, bit by bit"
+        else:
+            yield f"NOT the same: in {len(self.differences)} places"
+            yield from map(str, self.differences[:MOST_TOLD])
+        yield from self.notes
+
+
+def verify(folder: str | Path, *, watch: Watch | None = None, tell: Tell | None = None) -> Verdict:
+    """Run a finished run's case again, in a temporary folder, and compare history, fields and summary bit by bit.
+
+    Raises:
+        InputError: the folder holds no finished run.
+    """
+    earlier = Run(folder)
+    if earlier.status not in ("complete", "stopped"):
+        raise InputError(f"run folder {folder}: not finished ({earlier.status}), so there is nothing to compare with")
+    return compare_bits(earlier, run(earlier.case, figures=False, checkpoint_every="never", watch=watch, tell=tell))
+
+
+def compare_bits(one: Run, other: Run) -> Verdict:
+    """Compare all results of two runs of the same case."""
+    found, numbers = [], 0
+    for place, before, now in _pairs(one, other):
+        numbers += before.size
+        difference = _difference(place, before, now)
+        if difference:
+            found.append(difference)
+    notes = [
+        f"{key}: {one.provenance.get(key)}, now {other.provenance.get(key)}"
+        for key in ("sources", "numba", "llvmlite", "numpy", "processor", "machine")
+        if one.provenance.get(key) != other.provenance.get(key)
+    ]
+    return Verdict(numbers, found, notes)
+
+
+def _pairs(one: Run, other: Run) -> Iterator[tuple[str, NDArray[Any], NDArray[Any]]]:
+    """Yield what is to be the same, piece by piece."""
+    nothing = np.empty(0)
+    for name in dict.fromkeys([*one.columns, *other.columns]):
+        yield f"{name} in the history", one.columns.get(name, nothing), other.columns.get(name, nothing)
+    results = one.results.model_dump(exclude=TIMED), other.results.model_dump(exclude=TIMED)
+    words = [np.array(sorted(f"{key}: {value}" for key, value in result.items())) for result in results]
+    yield "the summary", words[0], words[1]
+    yield "times of the snapshots", one.times, other.times
+    for number, time in enumerate(one.times[: len(other.times)]):
+        before, now = one.snapshot(number).fields, other.snapshot(number).fields
+        for name in dict.fromkeys([*before, *now]):
+            values = [fields[name].values if name in fields else nothing for fields in (before, now)]
+            yield f"{name} at {time * 1e3:g} us", values[0], values[1]
+
+
+def _difference(place: str, before: NDArray[Any], now: NDArray[Any]) -> Difference | None:
+    if before.dtype != now.dtype or before.shape != now.shape:
+        return Difference(place, max(before.size, now.size), np.inf)
+    if before.tobytes() == now.tobytes():
+        return None
+    if before.dtype.kind not in "fiu":
+        return Difference(place, int((before != now).sum()), np.inf)
+    unlike = (before != now) & ~(np.isnan(before) & np.isnan(now))
+    apart = np.abs(before.astype(float) - now.astype(float))
+    return Difference(place, int(unlike.sum()), float(np.nanmax(apart))) if unlike.any() else None

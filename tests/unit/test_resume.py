@@ -1,0 +1,324 @@
+"""A run that is interrupted, killed or damaged goes on as if nothing had happened, or says why it cannot."""
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import viscopoint as vp
+from viscopoint import checkpoint, running
+from viscopoint.checkpoint import Every
+from viscopoint.ledger import Row
+from viscopoint.output import fields as field_file
+from viscopoint.verify import compare_bits
+
+MPM = {"method.cell": "1 mm", "method.spacing": "0.7 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
+FEM = {"method.size": "1.2 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
+TLMPM = {"method.spacing": "0.6 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
+LENIENT = {"guards.energy_error": 0.5}  # a coarse rod of a few points
+CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "mpm": ("mpm", MPM),
+    "gimp-apic": ("mpm", {**MPM, "method.shape": "gimp", "method.transfer": "apic", "impact.friction": 0.3}),
+    "cpgimp-gated": ("mpm", {**MPM, "method.shape": "cpgimp", "method.contact": "gated"}),
+    "cubic-fmpm": (
+        "mpm",
+        {**MPM, "method.shape": "cubic", "method.transfer": "fmpm", "method.volume": "cell-mean", **LENIENT},
+    ),
+    "usf-axisymmetric": ("mpm", {**MPM, "method.scheme": "usf", "method.geometry": "axisymmetric"}),
+    "mpm-single": ("mpm", {**MPM, "method.precision": "single"}),
+    "fem": ("fem", FEM),
+    "fem-selective": ("fem", {**FEM, "method.element": "selective", "impact.friction": 0.3}),
+    "fem-viscous-deleted": (
+        "fem", {**FEM, "method.hourglass.form": "viscous", "method.delete_below": 0.8, **LENIENT},
+    ),
+    "fem-axisymmetric": ("fem", {**FEM, "method.geometry": "axisymmetric", "method.element": "selective"}),
+    "tlmpm": ("tlmpm", TLMPM),
+    "tlmpm-gimp": ("tlmpm", {**TLMPM, "method.shape": "gimp", "method.precision": "single"}),
+    "tlmpm-axisymmetric": ("tlmpm", {**TLMPM, "method.geometry": "axisymmetric"}),
+    "sparse-history": ("tlmpm", {**TLMPM, "output.history_interval": "0.3 us"}),
+}  # fmt: skip
+SIMULATED = "0.2 us simulated"
+
+
+def case_of(name: str) -> vp.Case:
+    method, changes = CASES[name]
+    return vp.Case.load("paper", changes, method=method)
+
+
+def interrupted_at(place: float) -> Callable[[float, Row], None]:
+    """Return what ends a run the hard way, between two checkpoints, at some share of its time."""
+
+    def watch(share: float, row: Row) -> None:
+        if share >= place:
+            raise KeyboardInterrupt
+
+    return watch
+
+
+def cut_off(case: vp.Case, folder: Path, place: float, every: str = SIMULATED) -> vp.Run:
+    run = vp.run(case, folder, figures=False, checkpoint_every=every, watch=interrupted_at(place))
+    assert run.status == "interrupted"
+    return run
+
+
+def assert_same(one: vp.Run, other: vp.Run) -> None:
+    verdict = compare_bits(one, other)
+    assert verdict.same, "\n".join(map(str, verdict.differences))
+    assert verdict.numbers > 1000
+    assert (one.folder / "history.csv").read_bytes() == (other.folder / "history.csv").read_bytes()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_resumed_run_has_the_bits_of_one_that_was_never_interrupted(name: str, tmp_path: Path):
+    case = case_of(name)
+    whole = vp.run(case, tmp_path / "whole", figures=False, checkpoint_every="never")
+    for share in (0.3, 0.6, 0.9):  # again and again, on the way
+        cut = tmp_path / "cut"
+        if not cut.exists():
+            cut_off(case, cut, share)
+        else:
+            vp.resume(cut, figures=False, checkpoint_every=SIMULATED, watch=interrupted_at(share))
+        assert 1 <= len(list((cut / "checkpoints").iterdir())) <= checkpoint.KEPT
+    resumed = vp.resume(cut, figures=False)
+    assert resumed.status == "complete"
+    assert len(resumed.provenance["resumed"]) == 3
+    assert_same(whole, resumed)
+    assert not (cut / "checkpoints").exists()
+
+
+def test_a_run_that_was_cut_off_before_its_first_checkpoint_begins_again(tmp_path: Path):
+    case = case_of("tlmpm")
+    cut_off(case, tmp_path / "cut", 0.5, "never")
+    assert_same(vp.run(case, figures=False), vp.resume(tmp_path / "cut", figures=False))
+
+
+def test_a_complete_run_is_returned_as_it_is(finished: Path, tmp_path: Path):
+    folder = tmp_path / "run"
+    shutil.copytree(finished, folder)
+    before = (folder / "fields.vtkhdf").stat().st_mtime_ns
+    assert vp.resume(folder, figures=False).status == "complete"
+    assert (folder / "fields.vtkhdf").stat().st_mtime_ns == before
+
+
+def damaged(file: Path, place: float) -> None:
+    data = bytearray(file.read_bytes())
+    data[int(place * (len(data) - 1))] ^= 0x10
+    file.write_bytes(data)
+
+
+def test_a_damaged_checkpoint_is_told_and_the_one_before_taken(tmp_path: Path):
+    case, told = case_of("tlmpm"), []
+    cut_off(case, tmp_path / "cut", 0.7)
+    _, newer = sorted((tmp_path / "cut" / "checkpoints").iterdir())
+    damaged(newer, 0.7)
+    resumed = vp.resume(tmp_path / "cut", figures=False, tell=told.append)
+    assert any(newer.name in words and "taking the one before" in words for words in told)
+    assert_same(vp.run(case, figures=False), resumed)
+    cut_off(case, tmp_path / "other", 0.7)
+    for place, file in zip((0.01, 0.99), (tmp_path / "other" / "checkpoints").iterdir(), strict=True):
+        damaged(file, place)
+    with pytest.raises(vp.InputError, match="no checkpoint can be read"):
+        vp.resume(tmp_path / "other")
+
+
+@pytest.mark.parametrize("change", ["case", "sources", "state", "fields", "history", "link", "format"])
+def test_what_does_not_go_with_a_checkpoint_is_refused(change: str, tmp_path: Path):
+    folder = tmp_path / "cut"
+    cut_off(case_of("tlmpm"), folder, 0.7)
+    if change == "case":
+        text = (folder / "case.toml").read_text()
+        (folder / "case.toml").write_text(text.replace("150.0 m/s", "151.0 m/s"))
+        message = "not of its case.toml"
+    elif change in ("sources", "format"):
+        data = json.loads((folder / "provenance.json").read_text())
+        (folder / "provenance.json").write_text(json.dumps(data | {change: "1234"}))
+        message = "begun by other sources" if change == "sources" else "format 1234"
+    elif change == "state":
+        cut_off(case_of("mpm"), tmp_path / "mpm", 0.7)
+        shutil.rmtree(folder / "checkpoints")
+        shutil.copytree(tmp_path / "mpm" / "checkpoints", folder / "checkpoints")
+        message = "other arrays than those of the case"
+    elif change in ("fields", "history"):
+        name = {"fields": "fields.vtkhdf", "history": "history.csv"}[change]
+        (folder / name).write_bytes((folder / name).read_bytes()[:100])
+        message = "does not go with its checkpoint"
+    else:
+        (folder / "history.csv").rename(tmp_path / "elsewhere.csv")
+        (folder / "history.csv").symlink_to(tmp_path / "elsewhere.csv")
+        message = "is a link"
+    with pytest.raises(vp.InputError, match=message):
+        vp.resume(folder)
+
+
+def test_a_snapshot_happens_as_a_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    # every write to the disk fails once, as on a disk that is full; whatever happened, fields are those of a snapshot
+    case = case_of("mpm")
+    whole = vp.run(case, tmp_path / "whole", figures=False)
+    counted, real = [0], os.fsync
+
+    def failing(number: int) -> None:
+        counted[0] += 1
+        if counted[0] == at:
+            raise OSError(28, "No space left on device")
+        real(number)
+
+    outcomes = set()
+    monkeypatch.setattr(os, "fsync", failing)
+    for at in range(1, 60):
+        counted[0] = 0
+        folder = tmp_path / str(at)
+        try:
+            vp.run(case, folder, figures=False, checkpoint_every="1 us simulated")
+            outcomes.add("complete")
+        except vp.OutputError:
+            outcomes.add("full")
+        except vp.InputError:
+            outcomes.add("refused")
+        counted[0] = 1000
+        if folder.exists():
+            run = vp.Run(folder)
+            if (folder / field_file.NAME).exists() and (folder / field_file.NAME).stat().st_size:
+                assert len(run.times) <= 4
+                assert all(run.snapshot(number) for number in range(len(run.times)))
+            assert_same(whole, vp.resume(folder, figures=False))
+    assert outcomes >= {"complete", "full"}
+
+
+@pytest.mark.parametrize("text", ["10", "0 s", "-1 s", "10 kg", "often", "5 us simulate"])
+def test_a_wrong_interval_of_checkpoints_is_told(text: str):
+    with pytest.raises(vp.InputError, match="write a time on the clock"):
+        Every.read(text)
+
+
+def test_intervals_are_read_in_both_kinds_of_time():
+    assert Every.read("10 s") == (10.0, np.inf)
+    assert Every.read("1 min") == (60.0, np.inf)
+    assert Every.read("5 us simulated") == (np.inf, 0.005)
+    assert Every.read("never") == (np.inf, np.inf)
+
+
+# --- processes of their own: signals, kills ---
+
+SLOW = {**TLMPM, "time.end": "30 us", "method.spacing": "0.4 mm", "time.snapshots": ["10 us", "15 us", "20 us"]}
+
+
+def command(*words: str | Path) -> subprocess.Popen[str]:
+    line = [sys.executable, "-m", "viscopoint", *map(str, words)]
+    return subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+@pytest.fixture(scope="module")
+def slow(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, vp.Run, float]:
+    """A case file that takes some seconds, its whole run, and how long that took as a command."""
+    folder = tmp_path_factory.mktemp("slow")
+    file = folder / "slow.toml"
+    file.write_text(vp.Case.load("paper", SLOW, method="tlmpm").to_toml())
+    for place in ("warm", "whole"):
+        began = time.monotonic()
+        process = command("run", file, "--out", folder / place, "--no-figures")
+        assert process.communicate()[1] == ""
+    return file, vp.Run(folder / "whole"), time.monotonic() - began
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_ends_a_run_with_a_checkpoint_and_a_word_on_how_to_go_on(
+    slow: tuple[Path, vp.Run, float], tmp_path: Path, number: signal.Signals, code: int
+):
+    file, whole, _ = slow
+    folder = tmp_path / "run"
+    process = command("run", file, "--out", folder, "--no-figures", "--checkpoint-every", "never")
+    while not (folder / "history.csv").exists() or (folder / "history.csv").stat().st_size < 20_000:
+        assert process.poll() is None
+        time.sleep(0.01)
+    process.send_signal(number)
+    _, messages = process.communicate()
+    assert process.returncode == code, messages
+    assert f"go on with `viscopoint resume {folder}`" in messages
+    assert len(list((folder / "checkpoints").iterdir())) == 1
+    run = vp.Run(folder)
+    assert (run.status, run.results.signal) == ("interrupted", number.name)
+    process = command("resume", folder, "--no-figures")
+    assert process.communicate()[1] == ""
+    assert process.returncode == 0
+    assert_same(whole, vp.Run(folder))
+
+
+def killed_at_random(
+    slow: tuple[Path, vp.Run, float], folder: Path, kills: int, seed: int, numbers: tuple[int, ...]
+) -> dict[str, int]:
+    """Kill runs at random instants until each is complete; return how often what was found."""
+    file, whole, duration = slow
+    chance, found = random.Random(seed), {"nothing yet": 0, "resumed": 0, "complete before": 0}
+    for kill in range(kills):
+        place = folder / f"{kill}"
+        process = command("run", file, "--out", place, "--no-figures", "--checkpoint-every", "0.02 s")
+        time.sleep(chance.uniform(0.3, 1.1) * duration)
+        for number in numbers:
+            process.send_signal(number)
+        process.communicate()
+        if not place.exists():
+            found["nothing yet"] += 1
+            word = ("run", file, "--out", place)
+        else:
+            found["complete before" if vp.Run(place).status == "complete" else "resumed"] += 1
+            word = ("resume", place)
+        process = command(*word, "--no-figures")
+        assert process.communicate()[1] == ""
+        assert process.returncode == 0
+        assert_same(whole, vp.Run(place))
+        own = {"case.toml", "provenance.json", "summary.json", "history.csv", "fields.vtkhdf", ".lock"}
+        assert {path.name for path in place.iterdir()} == own
+        shutil.rmtree(place)
+    return found
+
+
+def test_runs_that_are_killed_can_be_resumed(slow: tuple[Path, vp.Run, float], tmp_path: Path):
+    killed_at_random(slow, tmp_path, 2, 1, (signal.SIGKILL,))
+
+
+def test_a_second_ctrl_c_ends_at_once_and_the_run_can_be_resumed(slow: tuple[Path, vp.Run, float], tmp_path: Path):
+    killed_at_random(slow, tmp_path, 1, 2, (signal.SIGINT, signal.SIGINT))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("numbers", [(signal.SIGKILL,), (signal.SIGINT, signal.SIGINT), (signal.SIGTERM,)])
+def test_runs_killed_at_fifty_random_instants_have_the_bits_of_a_whole_one(
+    slow: tuple[Path, vp.Run, float], tmp_path: Path, numbers: tuple[int, ...]
+):
+    found = killed_at_random(slow, tmp_path, 50, 3, numbers)
+    print(found)
+    assert found["resumed"] >= 25
+
+
+def test_two_processes_never_work_in_one_folder(slow: tuple[Path, vp.Run, float], tmp_path: Path):
+    file, whole, _ = slow
+    folder = tmp_path / "run"
+    first = command("run", file, "--out", folder, "--no-figures")
+    while not (folder / "history.csv").exists():
+        assert first.poll() is None
+        time.sleep(0.01)
+    first.send_signal(signal.SIGSTOP)
+    for words in (("run", file, "--out", folder, "--force"), ("resume", folder)):
+        second = command(*words)
+        _, messages = second.communicate()
+        assert (second.returncode, "another process is at work there" in messages) == (2, True), messages
+    first.send_signal(signal.SIGCONT)
+    assert first.communicate()[1] == ""
+    assert first.returncode == 0
+    assert_same(whole, vp.Run(folder))
+
+
+def test_checkpoints_are_off_where_nobody_wants_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(checkpoint, "save", None)  # nothing may be written
+    assert vp.run(case_of("tlmpm"), figures=False, checkpoint_every="never").status == "complete"
+    assert running.USUAL_CHECKPOINTS == "60 s"

@@ -41,7 +41,7 @@ def test_run_leaves_a_whole_run_folder_and_show_prints_it(tmp_path: Path):
     assert "complete" in out
     names = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
     figures = {f"figures/{name}.png" for name in ("shapes", "profiles", "histories", "energies")}
-    assert names == {"case.toml", "provenance.json", "summary.json", "history.csv", "fields.vtkhdf"} | figures
+    assert names == {"case.toml", "provenance.json", "summary.json", "history.csv", "fields.vtkhdf", ".lock"} | figures
     code, shown, _ = call("show", folder)
     assert code == 0
     assert shown == out

@@ -106,7 +106,7 @@ def test_summary_and_history_agree(finished: Path):
 
 def test_provenance_says_what_made_the_run(finished: Path):
     provenance = vp.Run(finished).provenance
-    assert provenance["format"] == 5
+    assert provenance["format"] == 6
     for key in ("viscopoint", "python", "numpy", "numba", "machine", "threads", "started", "ended"):
         assert provenance[key], key
 

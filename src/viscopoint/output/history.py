@@ -1,7 +1,6 @@
 """``history.csv``: one line per row of the ledger, units in the header."""
 
 import csv
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -22,13 +21,14 @@ class History:
     """Writes lines as they come, so that an interrupted run keeps them."""
 
     def __init__(self, folder: Path, body: Body, mark: int | None) -> None:
-        self.file = (folder / NAME).open("w" if mark is None else "r+", newline="", encoding="utf-8")
+        path = folder / NAME
+        if mark is not None and path.stat().st_size < mark:
+            raise ValueError(f"{NAME} is cut off")
+        self.file = path.open("w" if mark is None else "r+", newline="", encoding="utf-8")
         self.table = csv.writer(self.file)
         if mark is None:
             self.table.writerow(f"{name} [{unit}]" for name, unit in UNITS.items())
         else:
-            if os.fstat(self.file.fileno()).st_size < mark:
-                raise ValueError(f"{NAME} is cut off")
             self.file.truncate(mark)
             self.file.seek(mark)
 

@@ -1,7 +1,7 @@
 """A case: all that a simulation needs to know, read from TOML with units and checked as a whole."""
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Self, Union
@@ -11,14 +11,15 @@ from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 import viscopoint.laws  # noqa: F401  (its modules declare the materials)
-from viscopoint.errors import CaseError, Fault, InputError, nearest
+from viscopoint.errors import MOST_FAULTS, CaseError, Fault, InputError, nearest
 from viscopoint.explain import explain, valid_values
 from viscopoint.fem.inputs import FEMInput
-from viscopoint.folder import is_file
-from viscopoint.inputs import Guards, Impact, Material, MethodInput, Output, Rod, Table, Time
+from viscopoint.folder import CASE, PROVENANCE, is_file
+from viscopoint.inputs import Guards, Impact, Material, MethodInput, Output, Rod, Table, Time, Title
 from viscopoint.mpm.inputs import MPMInput
 from viscopoint.rules import broken
 from viscopoint.tlmpm.inputs import TotalLagrangianInput
+from viscopoint.untrusted import contents, is_inside, toml
 
 LONGEST_FILE = 1_000_000  # bytes
 RECOMMENDED, RADIUS_IN_SPACINGS = "tlmpm", 10.0  # the method of a case that names none
@@ -46,7 +47,7 @@ AnyMaterial = Annotated[Union[tuple(dict.fromkeys(_materials()))], Field(discrim
 class Case(Table):
     """A rod, its impact, its material, the method and what to keep."""
 
-    title: str = Field(default="", max_length=200)
+    title: Title = ""
     rod: Rod
     impact: Impact
     material: AnyMaterial  # pyright: ignore[reportInvalidTypeForm]  (the laws found in the package)
@@ -68,12 +69,15 @@ class Case(Table):
             InputError: there is no such case, or it is not TOML.
             CaseError: the case has faults; the message lists them all.
         """
-        tables = _with_base(_located(_read(source), Path(source)), str(source))
-        if method is not None:
-            tables = tables | {"method": _replaced(cls.from_tables(tables, str(source)).method, method)}
-        for key, value in (changes or {}).items():
-            tables = merged(tables, _nested(key, value))
-        return cls.from_tables(tables, str(source))
+        try:
+            tables = _with_base(_located(_read(source), Path(source)), str(source))
+            if method is not None:
+                tables = tables | {"method": _replaced(cls.from_tables(tables, str(source)).method, method)}
+            for key, value in (changes or {}).items():
+                tables = merged(tables, _nested(key, value))
+            return cls.from_tables(tables, str(source))
+        except RecursionError:
+            raise InputError(f"{source}: tables nested too deeply; a case has at most three levels") from None
 
     @classmethod
     def from_tables(cls, tables: Mapping[str, Any], source: str = "the case") -> Self:
@@ -82,9 +86,11 @@ class Case(Table):
         try:
             return cls.model_validate(dict(tables))
         except ValidationError as error:
-            faults = [explain(detail, cls, tables) for detail in error.errors() if detail["type"] not in SECONDARY]
+            details = [detail for detail in error.errors(include_url=False) if detail["type"] not in SECONDARY]
+            faults = [explain(detail, cls, tables) for detail in details[:MOST_FAULTS]]
             faults += broken(valid_values(cls, tables))
-            raise CaseError(source, [_of_method(fault, given) for fault in faults]) from None
+            more = max(len(details) - MOST_FAULTS, 0)
+            raise CaseError(source, [_of_method(fault, given) for fault in faults], more) from None
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **tables: Mapping[str, Any]) -> Self:
         """Return a changed copy, checked again.
@@ -138,6 +144,20 @@ def packaged() -> dict[str, str]:
     return {name: tomllib.loads((folder / f"{name}.toml").read_text())["title"] for name in names}
 
 
+def changes_of(settings: Iterable[str]) -> dict[str, Any]:
+    """Return what texts such as ``rod.radius="4 mm"`` change, by dotted key: each value is TOML, or else bare text."""
+    changes: dict[str, Any] = {}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals or not all(part.strip() for part in key.split(".")):
+            raise InputError(f"--set {setting}: write it as KEY=VALUE, such as rod.radius='4 mm'")
+        try:
+            changes[key.strip()] = toml(f"value = {text}")["value"]
+        except (ValueError, KeyError):
+            changes[key.strip()] = text.strip()
+    return changes
+
+
 def merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return tables with changes put over them, key by key; a table of another law or method starts afresh."""
     result = dict(tables)
@@ -182,7 +202,12 @@ def _of_method(fault: Fault, given: Mapping[str, Any]) -> Fault:
 def _located(tables: dict[str, Any], source: Path) -> dict[str, Any]:
     """Return the tables with file names that are meant from the case file's folder."""
     mesh = _at_key(tables, "method", "mesh")
-    return merged(tables, _nested("method.mesh", str(source.parent / mesh))) if isinstance(mesh, str) else tables
+    if not isinstance(mesh, str):
+        return tables
+    if source.name == CASE and is_file(source.with_name(PROVENANCE)) and not is_inside(source.parent, mesh):
+        told = "leads out of the run folder, which keeps its mesh; write the name of a file in it"
+        raise CaseError(str(source), [Fault("method.mesh", f'"{mesh}" {told}')])
+    return merged(tables, _nested("method.mesh", str(source.parent / mesh)))
 
 
 def _at_key(tables: Any, *keys: str) -> Any:
@@ -193,8 +218,9 @@ def _at_key(tables: Any, *keys: str) -> Any:
 
 def _nested(key: str, value: Any) -> dict[str, Any]:
     """Return {"a": {"b": value}} for the key "a.b"."""
-    first, _, rest = key.partition(".")
-    return {first: _nested(rest, value) if rest else value}
+    for name in reversed(key.split(".")):
+        value = {name: value}
+    return value
 
 
 def _read(source: str | Path) -> dict[str, Any]:
@@ -205,12 +231,12 @@ def _read(source: str | Path) -> dict[str, Any]:
             raise InputError(f"there is no case '{source}', neither packaged nor a file; {nearest(str(source), names)}")
         return tomllib.loads((resources.files("viscopoint.cases") / f"{source}.toml").read_text())
     try:
-        if path.stat().st_size > LONGEST_FILE:
-            raise InputError(f"case file {path}: larger than {LONGEST_FILE} bytes, so not a case")
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"case file {path}: cannot be read ({error.strerror})") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        text = contents(path, LONGEST_FILE)
+    except (OSError, ValueError) as error:
+        raise InputError(f"case file {path}: cannot be read ({getattr(error, 'strerror', error)})") from None
+    try:
+        return toml(text.decode("utf-8-sig"))
+    except ValueError as error:
         raise InputError(f"case file {path}: not TOML ({error})") from None
 
 

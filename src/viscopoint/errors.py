@@ -4,11 +4,19 @@ import difflib
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from viscopoint.wording import message, one_line
+
+LONGEST_WORD = 100  # characters; of a longer one, nobody means one of ours
+MOST_FAULTS = 100  # of a case that a message tells; a file made to have more would take long to explain
+
 
 class ViscopointError(Exception):
     """A failure with a message for the person who started the work."""
 
     exit_code = 1
+
+    def __str__(self) -> str:
+        return message(super().__str__())
 
 
 class Fault(NamedTuple):
@@ -18,7 +26,7 @@ class Fault(NamedTuple):
     message: str  # the value, what is wrong with it and what is allowed
 
     def __str__(self) -> str:
-        return f"{self.key}: {self.message}" if self.key else self.message
+        return one_line(f"{self.key}: {self.message}" if self.key else self.message)
 
 
 class InputError(ViscopointError):
@@ -28,11 +36,13 @@ class InputError(ViscopointError):
 
 
 class CaseError(InputError):
-    """A case has faults; all of them are listed."""
+    """A case has faults; all of them are listed, or the first ``MOST_FAULTS``."""
 
-    def __init__(self, source: str, faults: list[Fault]) -> None:
+    def __init__(self, source: str, faults: list[Fault], more: int = 0) -> None:
         self.source, self.faults = source, faults
-        super().__init__("\n".join([f"{source} has {_count(faults)}:", *(f"  {fault}" for fault in faults)]))
+        rest = [f"  and {more} more"] if more else []
+        lines = [f"{source} has {_count(len(faults) + more)}:", *(f"  {fault}" for fault in faults), *rest]
+        super().__init__("\n".join(lines))
 
 
 class OutputError(ViscopointError):
@@ -44,10 +54,10 @@ class OutputError(ViscopointError):
 def nearest(word: str, allowed: Iterable[str]) -> str:
     """Return what is allowed instead of ``word``, the nearest first if one is near."""
     names = sorted(allowed)
-    close = difflib.get_close_matches(word, names, n=1, cutoff=0.5)
+    close = difflib.get_close_matches(word[:LONGEST_WORD], names, n=1, cutoff=0.5)
     hint = f"did you mean '{close[0]}'? " if close else ""
     return f"{hint}allowed: {', '.join(names)}"
 
 
-def _count(faults: list[Fault]) -> str:
-    return "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
+def _count(faults: int) -> str:
+    return "1 fault" if faults == 1 else f"{faults} faults"

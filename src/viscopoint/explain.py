@@ -12,6 +12,7 @@ from pydantic_core import PydanticUndefined
 
 from viscopoint.errors import Fault, nearest
 from viscopoint.units import Quantity
+from viscopoint.wording import clipped, one_line
 
 _CONFIG = ConfigDict(strict=True, allow_inf_nan=False)
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
@@ -57,7 +58,9 @@ def explain(detail: Mapping[str, Any], case: type[BaseModel], tables: Mapping[st
     if kind == "union_tag_invalid":
         tags = [tag.strip(" '") for tag in context["expected_tags"].split(",")]
         choice = context["discriminator"].strip("'")
-        return Fault(f"{key}.{choice}", f"'{context['tag']}' is not known; {nearest(context['tag'], tags)}")
+        return Fault(
+            f"{key}.{choice}", f"'{clipped(context['tag'], 60)}' is not known; {nearest(context['tag'], tags)}"
+        )
     if kind == "union_tag_not_found":
         return Fault(f"{key}.{context['discriminator'].strip(chr(39))}", "is missing")
     return Fault(key, f"{given}: {detail['msg'][:1].lower()}{detail['msg'][1:]}")
@@ -117,7 +120,9 @@ def _shown(value: Any) -> str:
         text = f'"{value}"' if isinstance(value, str) else repr(value)
     except RecursionError:
         text = "a value nested too deeply"
-    text = text.replace("\n", " ")
+    except ValueError:  # Python writes no integer of more than 4300 digits
+        text = "a value with an integer too large"
+    text = one_line(text[:61].replace("\n", " "))
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
 from viscopoint.arrays import PRECISIONS
@@ -15,11 +15,14 @@ from viscopoint.rules import rule
 from viscopoint.units import Duration, Gap, Instant, Length, Speed
 from viscopoint.viscosity import BulkViscosity
 from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.wording import one_line, unseen
 
 if TYPE_CHECKING:
     from viscopoint.body import Body
     from viscopoint.laws import Law
     from viscopoint.method import Method
+
+MOST_SNAPSHOTS = 10_000
 
 
 class Table(BaseModel):
@@ -46,6 +49,17 @@ def one_of(names: Iterable[str]) -> Any:
         return name
 
     return Annotated[str, AfterValidator(known), Field(json_schema_extra={"enum": [*known_names]})]
+
+
+def _shows(title: str) -> str:
+    if letter := unseen(title):
+        raise PydanticCustomError(
+            "word", "has {letter} in it, which does not show; write one line of text", {"letter": one_line(letter)}
+        )
+    return title
+
+
+Title = Annotated[str, Field(max_length=200), AfterValidator(_shows)]
 
 
 class BulkViscosityInput(Table):
@@ -124,11 +138,20 @@ def symmetry_from_the_start(wall: str, gap: float, friction: float) -> str | Non
     return f'"symmetry" holds the foot from the start, free to slide: impact.gap and impact.friction must be 0, {given}'
 
 
+def _not_too_many(snapshots: Any) -> Any:
+    """Refuse a list too long before its entries are looked at, each with a fault of its own."""
+    if isinstance(snapshots, list | tuple) and len(snapshots) > MOST_SNAPSHOTS:
+        raise PydanticCustomError("too_long", "has too many entries")
+    return snapshots
+
+
 class Time(Table):
     """When to end and when to keep all fields; the start and the end are always kept."""
 
     end: Duration
-    snapshots: Annotated[tuple[Duration, ...], Field(strict=False, max_length=10_000)] = ()
+    snapshots: Annotated[
+        tuple[Duration, ...], Field(strict=False, max_length=MOST_SNAPSHOTS), BeforeValidator(_not_too_many)
+    ] = ()
 
 
 @rule("time.snapshots", "time.end")

@@ -1,7 +1,6 @@
 """Reads run folders: the one way to a finished run, from the command line, the API and the figures alike."""
 
 import functools
-import json
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from viscopoint.body import Body
-from viscopoint.case import Case
+from viscopoint.case import LONGEST_FILE, Case
 from viscopoint.errors import InputError
 from viscopoint.folder import CASE, FIGURES, PROVENANCE, SUMMARY
 from viscopoint.gauges import profile
@@ -23,11 +22,14 @@ from viscopoint.output import history as history_file
 from viscopoint.provenance import READABLE
 from viscopoint.summary import Summary
 from viscopoint.units import parse
+from viscopoint.untrusted import contents, kept, table
 
 if TYPE_CHECKING:
     import pandas
 
 CORRUPT = (OSError, KeyError, IndexError, TypeError, ValueError, RuntimeError)  # what h5py raises on damaged files
+LARGEST_PROVENANCE, LARGEST_SUMMARY, LARGEST_HISTORY = 1_000_000, 20_000_000, 4_000_000_000  # bytes
+LARGEST_FIELDS = 2**50  # bytes; of these, what is asked for is read alone
 ALWAYS = ("position", "displacement", "velocity", "lost", "stress", "pressure", "von_mises")  # fields of any method
 NEAR = 1e-6  # relative: a time given in words and a snapshot's that differ by less are the same
 
@@ -44,17 +46,34 @@ class Snapshot:
         return self.fields[name].values
 
 
+class Origin(BaseModel):
+    """What is used of ``provenance.json``: of these types, or the folder is none of ours."""
+
+    model_config = ConfigDict(strict=True)
+
+    viscopoint: str | None = None
+    commit: str | None = None
+    sources: str | None = None
+    ended: str | None = None
+    resumed: list[str] = []
+
+
 class Run:
     """A run folder, finished or not."""
 
     def __init__(self, folder: str | Path) -> None:
         """Open a run folder; raise ``InputError`` if it is none or from another version."""
         self.folder = Path(folder)
-        self.provenance = self._json(PROVENANCE)
+        self.provenance = self._json(PROVENANCE, LARGEST_PROVENANCE)
         if self.provenance.get("format") not in READABLE:
             found, known = self.provenance.get("format"), " and ".join(map(str, READABLE))
             raise InputError(f"run folder {folder}: format {found}, but this version reads formats {known}")
-        self.summary = self._json(SUMMARY)
+        try:
+            Origin.model_validate(self.provenance)
+        except ValidationError as error:
+            wrong = error.errors()[0]["loc"][0]
+            raise InputError(f"run folder {folder}: {PROVENANCE} is not that of a run: see {wrong}") from None
+        self.summary = self._json(SUMMARY, LARGEST_SUMMARY)
         try:
             self.results = Summary.model_validate(self.summary)
             self.rows = self.results.rows()
@@ -72,7 +91,7 @@ class Run:
     @functools.cached_property
     def case(self) -> Case:
         """The case with every default spelt out."""
-        return Case.load(self.folder / CASE)
+        return Case.load(self._file(CASE, LONGEST_FILE))
 
     @functools.cached_property
     def body(self) -> Body:
@@ -83,7 +102,7 @@ class Run:
     def columns(self) -> dict[str, NDArray[np.float64]]:
         """The ledger, one entry per row of each column, by name."""
         try:
-            columns = history_file.read(self._file(history_file.NAME))
+            columns = history_file.read(self._file(history_file.NAME, LARGEST_HISTORY))
         except (OSError, ValueError) as error:
             raise self._unreadable(history_file.NAME, error) from None
         time = columns.get("time", np.empty(0))
@@ -140,6 +159,8 @@ class Run:
         """Draw all figures into the run folder and return their files."""
         from viscopoint.figures import draw_all
 
+        if (self.folder / FIGURES).is_symlink():
+            raise InputError(f"run folder {self.folder}: {FIGURES} is a link, so figures would be drawn elsewhere")
         return draw_all(self, self.folder / FIGURES)
 
     def _counted(self, number: int) -> int:
@@ -163,20 +184,21 @@ class Run:
         there = ", ".join(f"{instant * 1e3:g} us" for instant in self.times)
         raise InputError(f'run folder {self.folder}: no snapshot at "{text}"; there are {there}')
 
-    def _file(self, name: str) -> Path:
-        path = self.folder / name
-        if not path.is_file():
-            raise InputError(f"run folder {self.folder}: has no {name}; it is not the folder of a run, or not whole")
-        return path
+    def _file(self, name: str, most: int = LARGEST_FIELDS) -> Path:
+        try:
+            return kept(self.folder, name, most)
+        except (FileNotFoundError, NotADirectoryError):
+            told = f"has no {name}; it is not the folder of a run, or not whole"
+            raise InputError(f"run folder {self.folder}: {told}") from None
+        except (OSError, ValueError) as error:
+            raise self._unreadable(name, error) from None
 
     def _unreadable(self, name: str, error: Exception | str) -> InputError:
         return InputError(f"run folder {self.folder}: {name} cannot be read ({error})")
 
-    def _json(self, name: str) -> dict[str, Any]:
+    def _json(self, name: str, most: int) -> dict[str, Any]:
+        path = self._file(name, most)
         try:
-            data = json.loads(self._file(name).read_text(encoding="utf-8"))
-        except (OSError, ValueError, RecursionError) as error:
+            return table(contents(path, most))
+        except (OSError, ValueError) as error:
             raise self._unreadable(name, error) from None
-        if not isinstance(data, dict):
-            raise InputError(f"run folder {self.folder}: {name} holds no table")
-        return data

@@ -41,7 +41,7 @@ def _unseen(share: float | None, going_on: str) -> None:
 
 def console() -> Console:
     """Return where results are printed: as wide as the terminal, or wide enough for any table where there is none."""
-    return Console(width=None if sys.stdout.isatty() else 120, highlight=False)
+    return Console(width=None if sys.stdout.isatty() else 120, highlight=False, emoji=False)
 
 
 def print_summary(run: Run) -> None:

@@ -10,6 +10,7 @@ from viscopoint.body import Body, Surface
 from viscopoint.fem.mesh import node_volumes
 
 CORE = 0.68  # radius of the core's corners over that of the rod
+MANY = 10**8  # layers, beside which one more or less is nothing
 BULGE = 0.3  # 0: a square core, 1: a round one; these two make the thinnest element thickest
 
 
@@ -86,6 +87,8 @@ def layers(length: float, size: float, grading: float) -> int:
     """Return the least number of layers of which the lowest is no thicker than ``size``."""
     mean = (grading - 1.0) / math.log(grading) if grading != 1.0 else 1.0  # of many layers
     count = max(2, math.ceil(length / (size * mean)) - 2)  # few have more, as both ends are whole layers
+    if count > MANY:
+        return count
     while count > 2 and size * _relative_length(count - 1, grading) >= length * (1.0 - 1e-9):
         count -= 1
     while size * _relative_length(count, grading) < length * (1.0 - 1e-9):

@@ -19,8 +19,17 @@ from viscopoint.errors import InputError
 from viscopoint.fem.mesh import node_volumes, point_volumes, scaled_jacobians
 from viscopoint.folder import is_file
 
+TOO_MANY, ELSEWHERE, OUT_OF_TIME = 3, 4, -24  # how the program ends: its own codes, and the signal SIGXCPU
+LARGEST_FILE, MOST_CELLS = 4 * 2**30, 50_000_000
+SECONDS, BYTES_PER_SECOND = 120.0, 1e6  # on the clock, PyVista's start included; the program counts its own time
 PROGRAM = Path(__file__).with_name("vtk_program.py")
 FORMATS = (".vtu", ".vtk", ".vtkhdf", ".hdf", ".exo", ".e", ".ex2")
+UNREADABLE = "cannot be read; is it whole, and of the format that its name says?"
+WRONG = {
+    TOO_MANY: f"holds more than {MOST_CELLS:,} elements",
+    ELSEWHERE: "refers to other files; a mesh must be whole in one",
+    OUT_OF_TIME: "takes longer to read than a mesh of its size; is it whole, and of the format that its name says?",
+}
 HEXAHEDRON, VOXEL = 12, 11  # VTK's cell types
 FLAT = 9  # cell types up to this one have no volume: vertices, lines, triangles, quadrilaterals, pixels
 SOUND = 1e-6  # a scaled Jacobian below this is none
@@ -75,12 +84,24 @@ def _read(path: Path) -> dict[str, Rows]:
         raise InputError(f"method.mesh: {path}: reading it takes PyVista; pip install 'viscopoint[mesh]'")
     with TemporaryDirectory(prefix="viscopoint-") as folder:
         found = Path(folder, "mesh.npz")
-        command = [sys.executable, "-P", str(PROGRAM), str(path.absolute()), str(found)]
-        ended = subprocess.run(command, capture_output=True, check=False)
-        if ended.returncode:
-            raise InputError(f"method.mesh: {path}: cannot be read; is it whole, and of the format that its name says?")
-        with np.load(found) as arrays:
+        code = _converted(path.absolute(), found)
+        if code:
+            raise InputError(f"method.mesh: {path}: {WRONG.get(code, UNREADABLE)}")
+        with np.load(found, allow_pickle=False) as arrays:
             return dict(arrays)
+
+
+def _converted(source: Path, found: Path) -> int:
+    """Run the program; return its exit code, or the signal that ended it, below zero."""
+    command = [sys.executable, "-P", str(PROGRAM), str(source), str(found), str(MOST_CELLS)]
+    seconds = SECONDS + source.stat().st_size / BYTES_PER_SECOND
+    quiet = subprocess.DEVNULL
+    try:
+        return subprocess.run(
+            command, stdin=quiet, stdout=quiet, stderr=quiet, cwd=found.parent, timeout=seconds, check=False
+        ).returncode
+    except subprocess.TimeoutExpired:
+        return OUT_OF_TIME
 
 
 def unreadable(path: Path) -> str | None:
@@ -89,6 +110,8 @@ def unreadable(path: Path) -> str | None:
         return f"{path}: there is no such file"
     if path.suffix.lower() not in FORMATS:
         return f"{path}: unknown format '{path.suffix}'; allowed: {', '.join(FORMATS)}"
+    if path.stat().st_size > LARGEST_FILE:
+        return f"{path}: {path.stat().st_size / 2**30:.1f} GiB; allowed are {LARGEST_FILE / 2**30:.0f} GiB"
     return None
 
 

@@ -1,0 +1,308 @@
+"""Cases, meshes and run folders that came from others."""
+
+import json
+import os
+import re
+import shutil
+import struct
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import h5py
+import pytest
+import pyvista
+from hypothesis import given
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+import viscopoint as vp
+from viscopoint.case import changes_of
+from viscopoint.cli import app
+from viscopoint.comparison import Comparison
+from viscopoint.errors import CaseError
+from viscopoint.fem import reading
+from viscopoint.fem.rod import layers, rod_mesh
+from viscopoint.untrusted import contents, table, toml
+from viscopoint.wording import one_line, unseen
+
+ESCAPES = "\x1b[2J\x1b]0;owned\x07"
+SECONDS = 5.0  # that any refusal may take
+ROD = rod_mesh(2.0, 4.0, 2.0)
+
+
+@pytest.fixture(autouse=True)
+def in_time() -> Iterator[None]:
+    began = time.monotonic()
+    yield
+    assert time.monotonic() - began < 6 * SECONDS  # of a machine that is busy
+
+
+def refused(file: Path, text: str) -> str:
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(vp.InputError) as caught:
+        vp.Case.load(file)
+    told = str(caught.value)
+    assert unseen(told.replace("\n", "")) is None
+    assert len(told) < 20_000
+    return told
+
+
+# --- text ---
+
+
+@given(st.text())
+def test_one_line_shows_what_acts_and_leaves_the_rest(text: str):
+    shown = one_line(text)
+    assert unseen(shown) is None
+    assert (shown == text) == (unseen(text) is None)
+    shown.encode()
+
+
+def test_a_message_with_escapes_shows_them(tmp_path: Path):
+    error = vp.InputError(f"run folder {ESCAPES}:\n\udcff \u202e")
+    assert str(error) == "run folder \\x1b[2J\\x1b]0;owned\\x07:\n\\udcff \\u202e"
+
+
+@pytest.mark.parametrize("title", [ESCAPES, "two\nlines", "\u202eabc", "a\u2028b", "\x85"])
+def test_a_title_that_would_act_on_a_terminal_is_refused(tmp_path: Path, title: str):
+    told = refused(tmp_path / "case.toml", f'extends = "paper"\ntitle = {json.dumps(title)}\n')
+    assert "title: " in told
+    assert "which does not show; write one line of text" in told
+
+
+@pytest.mark.parametrize(
+    "title", ["$\\frac{1}{$ [bold]red[/] :skull: <b>", "Stab, 150 m/s – β = 650", "\u0645\u06cc\u200c\u062e"]
+)
+def test_any_other_title_is_shown_as_it_is(tmp_path: Path, finished: Path, title: str):
+    run = shutil.copytree(finished, tmp_path / "run")
+    case = vp.Case.load(run / "case.toml", {"title": title})
+    (run / "case.toml").write_text(case.to_toml(), encoding="utf-8")
+    assert title in CliRunner().invoke(app, ["show", str(run)]).stdout.splitlines()
+    assert vp.Run(run).draw()
+
+
+# --- cases ---
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a" + ".a" * 400_000 + " = 1", "a key in it has too many parts"),
+        ("[ " + '"b" . ' * 60 + "c]", "a key in it has too many parts"),
+        ("rod.radius = " + "9" * 5000, "an integer in it is too large"),
+        ("rod.radius = 0x" + "f" * 5000, "an integer in it is too large"),
+        ("a = " + "[" * 100_000, "nested too deeply"),
+        ("time.snapshots = [" + '"x", ' * 190_000 + "]", "has too many entries"),
+        ("time.snapshots = [" + '"9 ly", ' * 9_999 + "]", "and 9899 more"),
+        ("".join(f"a{number} = 1\n" for number in range(80_000)), "and 79900 more"),
+        (f'{json.dumps(ESCAPES)} = "{"x" * 10_000}"', r'"\u001b[2J'),
+        (f'material.law = "{"elastic" * 10_000}"', "elastic' is not known; allowed: elastic, elastic-plastic"),
+        ('method = { name = "fem", size = "1e-15 mm" }\nrod.length = "1e14 mm"', "take a larger one"),
+    ],
+)
+def test_a_hostile_case_is_refused_at_once_and_in_few_words(tmp_path: Path, text: str, words: str):
+    assert words in refused(tmp_path / "case.toml", f'extends = "paper"\n{text}\n')
+
+
+def test_dots_in_text_are_no_key_of_many_parts():
+    text = f'title = "{"a. " * 60}"\n# {"." * 100}\nsnapshots = [{"1.5, " * 100}]\n'
+    assert toml(text)["title"].count(".") == 60
+
+
+def test_changes_that_are_no_toml_are_bare_text():
+    settings = ["rod.radius=4 mm", "a=[1, 2]", "b=" + "9" * 5000, "c=" + "[" * 5000, "d.e='x'"]
+    assert changes_of(settings) == {
+        "rod.radius": "4 mm", "a": [1, 2], "b": "9" * 5000, "c": "[" * 5000, "d.e": "x",
+    }  # fmt: skip
+    with pytest.raises(CaseError, match="unknown key"):
+        vp.Case.load("paper", {"a" + ".b" * 5000: 1})
+
+
+def test_a_pipe_where_a_case_should_be_is_refused(tmp_path: Path):
+    os.mkfifo(tmp_path / "case.toml")
+    with pytest.raises(vp.InputError, match=r"case\.toml: cannot be read \(not a regular file\)"):
+        vp.Case.load(tmp_path / "case.toml")
+
+
+def test_layers_of_a_mesh_that_fits_no_machine_are_counted_at_once():
+    assert layers(1e15, 1e-3, 1.0) == pytest.approx(1e18, rel=1e-6)
+
+
+# --- run folders ---
+
+
+@pytest.fixture
+def received(finished: Path, tmp_path: Path) -> Path:
+    """A run folder that somebody else may have changed."""
+    return shutil.copytree(finished, tmp_path / "received")
+
+
+def put(folder: Path, name: str, **changes: object) -> None:
+    tables = json.loads((folder / name).read_text())
+    (folder / name).write_text(json.dumps(tables | changes))
+
+
+def shown(folder: Path) -> tuple[int, str]:
+    """Return exit code and all words of ``viscopoint show``."""
+    result = CliRunner().invoke(app, ["show", str(folder)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.output
+
+
+@pytest.mark.parametrize("name", ["provenance.json", "summary.json", "case.toml", "history.csv", "fields.vtkhdf"])
+@pytest.mark.parametrize("kind", ["pipe", "link", "circle", "folder", "device"])
+def test_what_is_no_file_of_the_run_folder_is_not_opened(received: Path, name: str, kind: str):
+    path, outside = received / name, received.parent / "outside"
+    path.rename(outside)
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+    else:
+        path.symlink_to({"link": outside, "circle": path, "device": "/dev/zero"}[kind])
+    with pytest.raises(vp.InputError, match=name):
+        _ = vp.Run(received).case, vp.Run(received).columns, vp.Run(received).snapshot(0)
+
+
+@pytest.mark.parametrize("name", ["provenance.json", "summary.json", "case.toml", "history.csv"])
+def test_a_file_larger_than_any_of_ours_is_not_read(received: Path, name: str):
+    os.truncate(received / name, 2**40)
+    with pytest.raises(vp.InputError, match="larger than"):
+        _ = vp.Run(received).case, vp.Run(received).columns
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, '{"a":' * 100_000, '{"format": ' + "9" * 5000 + "}", '{"a": 1e400', "[]"]
+)
+def test_json_of_any_shape_is_a_table_or_an_error(text: str):
+    with pytest.raises(ValueError, match=r"deep|too large|holds no table|delimiter|Expecting"):
+        table(text.encode())
+
+
+def test_what_a_summary_says_does_not_act_on_a_terminal(received: Path):
+    put(received, "summary.json", status="stopped", reason=ESCAPES + "[red] :skull:")
+    code, words = shown(received)
+    assert code == 0
+    assert "INCOMPLETE (\\x1b[2J\\x1b]0;owned\\x07[red] :skull:)" in words
+    assert "\x1b" not in words
+
+
+@pytest.mark.parametrize("change", [{"steps": 10**400}, {"points": 10**30}, {"elements": 2**70}])
+def test_a_number_too_large_for_a_summary_is_refused(received: Path, change: dict[str, int]):
+    put(received, "summary.json", **change)
+    with pytest.raises(vp.InputError, match=r"summary\.json cannot be read \(an integer in it is too large\)"):
+        vp.Run(received)
+
+
+@pytest.mark.parametrize("change", [{"sources": [1]}, {"commit": {}}, {"resumed": 5}, {"ended": 3}])
+def test_provenance_of_other_types_is_refused(received: Path, change: dict[str, object]):
+    put(received, "provenance.json", **change)
+    with pytest.raises(vp.InputError, match=rf"provenance\.json is not that of a run: see {next(iter(change))}"):
+        vp.Run(received)
+
+
+def test_escapes_in_a_commit_do_not_reach_the_terminal(received: Path, finished: Path):
+    put(received, "provenance.json", sources="other", commit=ESCAPES)
+    made = Comparison((vp.Run(finished), vp.Run(received)), ("one", "other"), (), (), ())
+    assert "\\x1b[2J" in made.warnings()[0]
+    assert "\x1b" not in made.warnings()[0]
+
+
+@pytest.mark.parametrize("mesh", ["../mesh.vtu", "/mesh.vtu", "sub/mesh.vtu", "mesh.vtu"])
+def test_a_run_folder_s_case_takes_no_mesh_from_elsewhere(received: Path, mesh: str):
+    (received.parent / "mesh.vtu").touch()
+    (received / "mesh.vtu").symlink_to("../mesh.vtu")
+    (received / "case.toml").write_text(f'extends = "paper"\n[method]\nname = "fem"\nmesh = "{mesh}"\n')
+    with pytest.raises(CaseError, match=r'method\.mesh: ".*mesh\.vtu" leads out of the run folder'):
+        _ = vp.Run(received).case
+    with pytest.raises(CaseError, match="leads out of the run folder"):
+        vp.Case.load(received / "case.toml")
+
+
+def test_figures_are_not_drawn_through_a_link(received: Path):
+    shutil.rmtree(received / "figures", ignore_errors=True)
+    (received.parent / "elsewhere").mkdir()
+    (received / "figures").symlink_to("../elsewhere")
+    with pytest.raises(vp.InputError, match="figures is a link"):
+        vp.Run(received).draw()
+    assert not any((received.parent / "elsewhere").iterdir())
+
+
+def test_contents_are_bounded_whatever_the_size_says():
+    with pytest.raises(ValueError, match="larger than 10 bytes"):
+        contents(Path(__file__), 10)
+
+
+# --- meshes ---
+
+
+def cannot_be_read(path: Path) -> str:
+    began = time.monotonic()
+    with pytest.raises(vp.InputError, match=r"method\.mesh: ") as caught:
+        reading.read_rod(path, 1.0, 2.0, 4.0)
+    assert time.monotonic() - began < 4 * SECONDS  # PyVista's start on a busy machine included
+    return str(caught.value)
+
+
+def test_a_mesh_in_other_files_is_refused(tmp_path: Path):
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: ROD.cells}, ROD.position)
+    grid.save(tmp_path / "whole.vtkhdf")
+    shutil.copy(tmp_path / "whole.vtkhdf", tmp_path / "rod.vtkhdf")
+    with h5py.File(tmp_path / "rod.vtkhdf", "r+") as file:
+        del file["VTKHDF/Points"]
+        file["VTKHDF/Points"] = h5py.ExternalLink(str(tmp_path / "whole.vtkhdf"), "VTKHDF/Points")
+    assert "refers to other files; a mesh must be whole in one" in cannot_be_read(tmp_path / "rod.vtkhdf")
+
+
+def test_a_header_that_promises_more_cells_than_a_machine_holds_is_refused(tmp_path: Path):
+    head = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3000 3000 3000\n"
+    (tmp_path / "rod.vtk").write_text(head + "ORIGIN 0 0 0\nSPACING 1 1 1\n")
+    assert "holds more than 50,000,000 elements" in cannot_be_read(tmp_path / "rod.vtk")
+
+
+def test_a_file_that_takes_more_memory_than_it_may_is_refused(tmp_path: Path):
+    head = "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 600000000 double\n"
+    (tmp_path / "rod.vtk").write_bytes(head.encode() + struct.pack(">d", 1.0) * 9)
+    assert re.search("cannot be read|holds no hexahedra that can be read", cannot_be_read(tmp_path / "rod.vtk"))
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("while True: pass", "takes longer to read than a mesh of its size"),
+        ("bytearray(3 * 2**30)", "cannot be read"),
+        ("print('x' * 10**7); open('out', 'wb').truncate(2**33)", "cannot be read"),
+    ],
+)
+def test_the_process_that_reads_has_limits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], code: str, words: str
+):
+    program = tmp_path / "program.py"
+    program.write_text(
+        f"import sys\nsys.path.append({str(reading.PROGRAM.parent)!r})\n"
+        f"import vtk_program\nvtk_program.limit(1)\n{code}\n"
+    )
+    (tmp_path / "rod.vtu").touch()
+    monkeypatch.setattr(reading, "PROGRAM", program)
+    assert words in cannot_be_read(tmp_path / "rod.vtu")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_file_that_waits_for_ever_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "program.py").write_text("import time\ntime.sleep(60)\n")
+    (tmp_path / "rod.vtu").touch()
+    monkeypatch.setattr(reading, "PROGRAM", tmp_path / "program.py")
+    monkeypatch.setattr(reading, "SECONDS", 0.3)
+    assert "takes longer to read" in cannot_be_read(tmp_path / "rod.vtu")
+
+
+def test_a_file_larger_than_any_mesh_is_refused_before_it_is_opened(tmp_path: Path):
+    (tmp_path / "rod.vtu").touch()
+    os.truncate(tmp_path / "rod.vtu", 2**40)
+    assert "1024.0 GiB; allowed are 4 GiB" in cannot_be_read(tmp_path / "rod.vtu")
+
+
+if sys.platform == "win32":  # no pipes in folders, no limits of processes
+    pytest.skip("of Unix", allow_module_level=True)

@@ -256,6 +256,14 @@ def test_a_mesh_in_other_files_is_refused(tmp_path: Path):
     assert "refers to other files; a mesh must be whole in one" in cannot_be_read(tmp_path / "rod.vtkhdf")
 
 
+@pytest.mark.parametrize(("far", "words"), [(1e300, r"reach 1e\+300 mm"), (float("nan"), "not all finite")])
+def test_coordinates_beyond_any_length_are_refused_without_a_warning(tmp_path: Path, far: float, words: str):
+    position = ROD.position.copy()
+    position[3, 0] = far
+    pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: ROD.cells}, position).save(tmp_path / "rod.vtu")
+    assert re.search(words, cannot_be_read(tmp_path / "rod.vtu"))
+
+
 def test_a_header_that_promises_more_cells_than_a_machine_holds_is_refused(tmp_path: Path):
     head = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3000 3000 3000\n"
     (tmp_path / "rod.vtk").write_text(head + "ORIGIN 0 0 0\nSPACING 1 1 1\n")

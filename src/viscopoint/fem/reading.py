@@ -34,6 +34,7 @@ HEXAHEDRON, VOXEL = 12, 11  # VTK's cell types
 FLAT = 9  # cell types up to this one have no volume: vertices, lines, triangles, quadrilaterals, pixels
 SOUND = 1e-6  # a scaled Jacobian below this is none
 SAME = 1e-3  # relative: how well a mesh must agree with the [rod] table
+FARTHEST = 1e15  # mm, as of any length in a case; products of such are finite
 FULL = 0.02  # how much less volume than the prism over its mantle's nodes a mesh may have
 ON_SURFACE = 1e-3  # of the radius: nodes this close to the mantle show it
 LEVEL = 1e-6  # of the length: nodes this close in height are one layer
@@ -47,7 +48,8 @@ def read_rod(path: Path, unit: float, radius: float, length: float) -> Body:
     """
     found = _read(path)
     _check_kinds(found["kinds"], found["names"], path)
-    position, cells = found["position"] * unit, found["corner"]
+    with np.errstate(over="ignore", invalid="ignore"):  # told below
+        position, cells = found["position"] * unit, found["corner"]
     _check_cells(position, cells, path)
     _check_rod(position, radius, length, path)
     _check_shapes(position, cells, path)
@@ -131,6 +133,8 @@ def _check_cells(position: Array, cells: Indices, path: Path) -> None:
         raise InputError(f"method.mesh: {path}: elements have nodes beyond the {len(position)} that there are")
     if not np.isfinite(position).all():
         raise InputError(f"method.mesh: {path}: coordinates are not all finite")
+    if abs(position).max() > FARTHEST:
+        raise InputError(f"method.mesh: {path}: coordinates reach {abs(position).max():g} mm; allowed are {FARTHEST:g}")
     alone = len(position) - len(np.unique(cells))
     if alone:
         raise InputError(f"method.mesh: {path}: {alone} of {len(position)} nodes belong to no hexahedron; remove them")

@@ -287,13 +287,15 @@ def _messages() -> Any:
     from viscopoint.errors import ViscopointError
 
     try:
-        yield
+        with interruption.raising():
+            yield
     except ViscopointError as error:
         typer.echo(f"viscopoint: {error}", err=True)
         raise typer.Exit(error.exit_code) from None
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as error:
         typer.echo("viscopoint: interrupted", err=True)
-        raise typer.Exit(130) from None
+        name = "SIGTERM" if isinstance(error, interruption.Terminated) else "SIGINT"
+        raise typer.Exit(interruption.exit_code(name)) from None
 
 
 class _Company:

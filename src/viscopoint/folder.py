@@ -5,6 +5,7 @@ import json
 import os
 import secrets
 import shutil
+import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO, Any
@@ -14,6 +15,8 @@ from filelock import FileLock, Timeout
 from viscopoint.errors import InputError, OutputError
 
 CASE, PROVENANCE, SUMMARY, FIGURES = "case.toml", "provenance.json", "summary.json", "figures"
+TOKEN = 8  # bytes of chance in the name of a folder that is being made
+LONG_AGO = 3600.0  # s, after which nobody makes it any more: that takes less than a second
 
 
 def check_free(folder: Path, force: bool, mark: str = PROVENANCE, needed: Iterable[Path] = ()) -> None:
@@ -57,9 +60,10 @@ def new(folder: Path, force: bool, needed: Iterable[Path] = ()) -> Iterator[Path
         InputError: there is something already, or the place cannot be written, or others are at work there.
     """
     check_free(folder, force, needed=needed)
-    part = folder.parent / f".{secrets.token_hex(8)}.part"
+    part = folder.parent / f".{secrets.token_hex(TOKEN)}.part"
     with _place_faults(folder):
         part.mkdir(parents=True)
+        _clear_remains(part.parent)
     try:
         yield part
         with _place_faults(folder), contextlib.ExitStack() as stack:
@@ -75,6 +79,15 @@ def new(folder: Path, force: bool, needed: Iterable[Path] = ()) -> Iterator[Path
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
+
+
+def _clear_remains(parent: Path) -> None:
+    """Remove what processes that were killed left of folders they were making or replacing."""
+    for kind in (".part", ".old"):
+        for folder in parent.glob(f".{2 * TOKEN * '[0-9a-f]'}{kind}"):
+            with contextlib.suppress(OSError):
+                if folder.is_dir() and time.time() - folder.stat().st_mtime > LONG_AGO:
+                    shutil.rmtree(folder)
 
 
 def make(folder: Path, mark: str) -> None:

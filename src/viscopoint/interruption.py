@@ -44,6 +44,24 @@ def noted(tell: Callable[[str], None]) -> Iterator[Stop]:
         _put_back(before)
 
 
+class Terminated(KeyboardInterrupt):
+    """The system asked the process to end."""
+
+
+@contextlib.contextmanager
+def raising() -> Iterator[None]:
+    """Let SIGTERM raise ``Terminated``, as Ctrl-C raises ``KeyboardInterrupt``."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        raise Terminated
+
+    before: dict[int, Any] = {signal.SIGTERM: signal.signal(signal.SIGTERM, end)}
+    try:
+        yield
+    finally:
+        _put_back(before)
+
+
 @contextlib.contextmanager
 def ending_at_once() -> Iterator[None]:
     """Let a signal end the process there and then: whatever we write is whole or not there at every instant."""

@@ -3,10 +3,9 @@
 import contextlib
 import multiprocessing
 import os
-import shutil
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -14,9 +13,7 @@ from typing import Any
 
 from viscopoint.case import Case
 from viscopoint.errors import InputError, ViscopointError
-from viscopoint.folder import CASE, PROVENANCE, SUMMARY
-from viscopoint.output.fields import NAME as FIELDS
-from viscopoint.output.history import NAME as HISTORY
+from viscopoint.folder import CASE
 from viscopoint.results import Run
 from viscopoint.sources import digest
 
@@ -65,8 +62,6 @@ class Pool:
             InputError, OutputError: as ``run`` raises them.
         """
         missing = {name: case for name, case in cases.items() if not _is_finished(folder / name, case)}
-        for name in missing:
-            _clear_remains(folder / name)
         with _deaf_children():
             futures = {
                 self.executor.submit(_simulate, place, case, folder / name): name
@@ -145,31 +140,39 @@ def _end_with_parent() -> None:
 
 def _simulate(place: int, case: Case, folder: Path) -> None:
     """Run a case in a worker."""
-    from viscopoint.running import run
+    from viscopoint.running import resume, run
 
     def watch(share: float, row: Any) -> None:
         _shares[place] = share
         if _stop.is_set():
             raise KeyboardInterrupt
 
-    if not _stop.is_set():
-        run(case, folder, force=True, figures=False, watch=watch)
+    if _stop.is_set():
+        return
+    if _is_run(folder, case, ("running", "interrupted")):
+        with contextlib.suppress(InputError):  # damaged: to be made again
+            resume(folder, figures=False, watch=watch)
+            return
+    run(case, folder, force=True, figures=False, watch=watch)
 
 
-def _clear_remains(folder: Path) -> None:
-    """Remove what a kill left of a run folder that was just being made or removed, and nothing else."""
-    own = {CASE, SUMMARY, HISTORY, FIELDS, ".try", f".{PROVENANCE}.part"}
-    if folder.is_dir() and {path.name for path in folder.iterdir()} <= own:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def _is_finished(folder: Path, case: Case) -> bool:
-    """Return whether a folder holds a complete run of this very case by this very version."""
+def _is_run(folder: Path, case: Case, statuses: Collection[str]) -> bool:
+    """Return whether a folder holds a run of this very case by this very version, of such a status."""
     if not (folder / CASE).is_file():
         return False
     try:
         run = Run(folder)
-        same = run.status == "complete" and run.provenance.get("sources") == digest() and run.case == case.resolved()
-        return same and len(run.times) == len(run.rows) and len(run.history) > 0 and run.snapshot(-1).time > 0.0
+        return run.status in statuses and run.provenance.get("sources") == digest() and run.case == case.resolved()
+    except InputError:  # damaged, or of another version: to be made again
+        return False
+
+
+def _is_finished(folder: Path, case: Case) -> bool:
+    """Return whether a folder holds a complete run of this very case by this very version."""
+    if not _is_run(folder, case, ("complete",)):
+        return False
+    try:
+        run = Run(folder)
+        return len(run.times) == len(run.rows) and len(run.history) > 0 and run.snapshot(-1).time > 0.0
     except InputError:  # damaged, or of another version: to be made again
         return False

@@ -1,0 +1,39 @@
+import shutil
+from pathlib import Path
+
+import h5py
+import pytest
+from typer.testing import CliRunner
+
+import viscopoint as vp
+from viscopoint.cli import app
+from viscopoint.verify import verify
+
+
+def test_a_run_verified_has_the_same_bits(finished: Path):
+    result = CliRunner().invoke(app, ["verify", str(finished)])
+    assert result.exit_code == 0
+    assert result.stdout.startswith("the same: ")
+
+
+def test_the_last_bit_of_one_number_is_found(finished: Path, tmp_path: Path):
+    folder = tmp_path / "run"
+    shutil.copytree(finished, folder)
+    with h5py.File(folder / "fields.vtkhdf", "r+") as file:
+        stress = file["VTKHDF/PointData/stress"]
+        value = stress[-1, 2]  # pyright: ignore[reportIndexIssue]
+        stress[-1, 2] = value * (1 + 2e-16)  # pyright: ignore[reportIndexIssue]
+    verdict = verify(folder)
+    assert [(found.place, found.numbers) for found in verdict.differences] == [("stress at 2 us", 1)]
+    result = CliRunner().invoke(app, ["verify", str(folder)])
+    assert result.exit_code == 1
+    assert "stress at 2 us: 1 numbers differ" in result.stdout
+
+
+def test_an_unfinished_run_cannot_be_verified(quick: vp.Case, tmp_path: Path):
+    def end(share: float, row: object) -> None:
+        raise KeyboardInterrupt
+
+    vp.run(quick, tmp_path / "run", figures=False, watch=end)
+    with pytest.raises(vp.InputError, match="not finished"):
+        verify(tmp_path / "run")

@@ -1,0 +1,55 @@
+"""Two hundred thousand steps: what a run needs does not grow, and its accounts stay closed."""
+
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import viscopoint as vp
+from viscopoint.ledger import Row
+
+STEPS = 200_000
+CASE = {
+    "rod.length": "10 mm",
+    "impact.speed": "10 m/s",
+    "method.spacing": "0.95 mm",
+    "method.geometry": "axisymmetric",
+    "material.decay": "6.5 1/ms",
+}
+
+
+def memory() -> float:
+    """Return the greatest memory that this process ever had [bytes]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("method", ["tlmpm", "fem"])
+def test_two_hundred_thousand_steps_need_no_more_memory_and_keep_the_ledger(method: str, tmp_path: Path):
+    case = vp.Case.load("paper", CASE if method == "tlmpm" else {}, method=method)
+    if method == "fem":
+        case = vp.Case.load("paper", {**CASE, "method.size": "0.95 mm"}, method="fem")
+    step = vp.run(case.with_({"time.end": "20 us"}), figures=False).columns["time_step"][-1]
+    end = STEPS * step
+    times = np.linspace(0.0, end, 21)[1:-1]
+    case = case.with_({"time.end": f"{end!r} ms", "time.snapshots": [f"{time!r} ms" for time in times.tolist()]})
+    had: dict[int, float] = {}
+
+    def watch(share: float, row: Row) -> None:
+        if row.step % 10_000 == 0:
+            had[row.step] = memory()
+
+    run = vp.run(case, tmp_path / "run", figures=False, checkpoint_every="2 s", watch=watch)
+    assert run.status == "complete"
+    rows = run.columns
+    assert len(rows["time"]) == run.results.steps + 1 >= STEPS  # no row is missing, none is there twice
+    assert (rows["step"] == np.arange(len(rows["step"]))).all()
+    assert run.results.energy_error <= 100 * case.guards.energy_error
+    # a leak of one row or one small array a step would be 20 MB
+    assert had[190_000] - had[20_000] < 4e6, had
+    snapshot = (run.folder / "fields.vtkhdf").stat().st_size / len(run.times)
+    raw = sum(field.values.nbytes for field in run.snapshot(-1).fields.values())
+    assert snapshot < 2 * raw + 20_000
+    assert (run.folder / "history.csv").stat().st_size < 600 * len(rows["time"])
+    print(method, run.results.steps, run.results.energy_error, run.results.momentum_error, had)

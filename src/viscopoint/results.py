@@ -1,5 +1,6 @@
 """Reads run folders: the one way to a finished run, from the command line, the API and the figures alike."""
 
+import csv
 import functools
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     import pandas
 
 CORRUPT = (OSError, KeyError, IndexError, TypeError, ValueError, RuntimeError)  # what h5py raises on damaged files
-LARGEST_PROVENANCE, LARGEST_SUMMARY, LARGEST_HISTORY = 1_000_000, 20_000_000, 4_000_000_000  # bytes
+LARGEST_PROVENANCE, LARGEST_SUMMARY, LARGEST_HISTORY = 1_000_000, 16_000_000, 4_000_000_000  # bytes
 LARGEST_FIELDS = 2**50  # bytes; of these, what is asked for is read alone
 ALWAYS = ("position", "displacement", "velocity", "lost", "stress", "pressure", "von_mises")  # fields of any method
 NEAR = 1e-6  # relative: a time given in words and a snapshot's that differ by less are the same
@@ -103,7 +104,7 @@ class Run:
         """The ledger, one entry per row of each column, by name."""
         try:
             columns = history_file.read(self._file(history_file.NAME, LARGEST_HISTORY))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, csv.Error) as error:
             raise self._unreadable(history_file.NAME, error) from None
         time = columns.get("time", np.empty(0))
         whole = not set(UNITS) - set(columns) and len(time) > 0 and bool((np.diff(time) > 0.0).all())

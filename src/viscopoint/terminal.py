@@ -9,6 +9,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from rich.table import Table
 
 from viscopoint.results import Run
+from viscopoint.wording import one_line
 
 COLUMNS = (
     BarColumn(), TextColumn("{task.percentage:3.0f} %"), TextColumn("{task.description}"),
@@ -68,9 +69,9 @@ def print_summary(run: Run) -> None:
 
 def _ending(run: Run) -> str:
     """Say in a sentence how a run ended and where it is."""
-    results = run.results
+    results, folder = run.results, one_line(str(run.folder))
     if run.status == "running":
-        return f"not finished: still running, or killed; {run.folder}"
+        return f"not finished: still running, or killed; {folder}"
     parts = results.elements or results.points
     pace = parts * max(results.steps - 1, 0) / max(results.wall_time, 1e-3) / 1e6
     gone = run.rows[-1].lost if run.rows else 0
@@ -85,4 +86,4 @@ def _ending(run: Run) -> str:
             f"mesh: {results.points} nodes, least scaled Jacobian {results.mesh.least_jacobian:.2f}, greatest aspect "
             f"{results.mesh.greatest_aspect:.2f}\n"
         )
-    return f"{mesh}{ended}: {work} ({pace:.1f} M {kind}-steps/s), {ledger}{lost}\n{run.folder}"
+    return f"{mesh}{ended}: {work} ({pace:.1f} M {kind}-steps/s), {ledger}{lost}\n{folder}"

@@ -17,6 +17,7 @@ from viscopoint.wording import one_line
 # A key of more parts than any of ours; to read one of n parts, Python's reader of TOML takes memory for n^2.
 _PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
 LONG_KEY = re.compile(rf"(?:^|[\[{{,])[ \t]*+{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{50}}", re.M)
+MOST_TABLES = 100_000  # ten thousand snapshots have as many
 LARGEST_INTEGER, TOO_LARGE = 2**63, "an integer in it is too large"  # any that we write is smaller
 
 
@@ -91,8 +92,10 @@ def table(data: bytes) -> dict[str, Any]:
     """Return the table that JSON holds, of which all text shows as what it is.
 
     Raises:
-        ValueError: it is not JSON, holds no table, a number too large for us, or is nested too deeply.
+        ValueError: it is not JSON, holds no table, too many or a number too large for us, or is nested too deeply.
     """
+    if data.count(b"[") + data.count(b"{") > MOST_TABLES:
+        raise ValueError(f"has more than {MOST_TABLES:,} tables and lists")
     try:
         found = _shown(json.loads(data.decode("utf-8"), parse_int=_integer))
     except RecursionError:

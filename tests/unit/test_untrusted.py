@@ -174,10 +174,11 @@ def test_a_file_larger_than_any_of_ours_is_not_read(received: Path, name: str):
 
 
 @pytest.mark.parametrize(
-    "text", ["[" * 100_000, '{"a":' * 100_000, '{"format": ' + "9" * 5000 + "}", '{"a": 1e400', "[]"]
+    "text",
+    ["[" * 100_000, '{"a":' * 100_000, '{"format": ' + "9" * 5000 + "}", "[" + "[]," * 10**6, '{"a": 1e400', "[]"],
 )
 def test_json_of_any_shape_is_a_table_or_an_error(text: str):
-    with pytest.raises(ValueError, match=r"deep|too large|holds no table|delimiter|Expecting"):
+    with pytest.raises(ValueError, match=r"deep|too large|more than 100,000|holds no table|delimiter|Expecting"):
         table(text.encode())
 
 
@@ -221,6 +222,26 @@ def test_a_run_folder_s_case_takes_no_mesh_from_elsewhere(received: Path, mesh: 
         vp.Case.load(received / "case.toml")
 
 
+def test_the_name_of_a_folder_acts_on_nothing(finished: Path, tmp_path: Path):
+    folder = shutil.copytree(finished, tmp_path / f"{ESCAPES.replace('/', '')}\udcff\u202e")
+    code, words = shown(folder)
+    assert code == 0
+    assert "\\x1b[2J\\x1b]0;owned\\x07\\udcff\\u202e" in words.replace("\n", "")
+    result = CliRunner().invoke(app, ["compare", str(finished), str(folder), "--out", str(tmp_path / "comparison")])
+    assert (result.exit_code, unseen(result.output.replace("\n", ""))) == (0, None), result.output
+
+
+@pytest.mark.parametrize(
+    "content",
+    ['"' + "a" * 200_000 + '"\n1\n', "x" * 10**6, "time [ms]\n" + "x" * 10**6, "\0" * 9, "1\n" + "1," * 10**6],
+)
+def test_a_history_that_is_no_table_is_refused_in_few_words(received: Path, content: str):
+    (received / "history.csv").write_text(content)
+    with pytest.raises(vp.InputError, match=r"history\.csv cannot be read") as caught:
+        _ = vp.Run(received).columns
+    assert len(str(caught.value)) < 500
+
+
 def test_figures_are_not_drawn_through_a_link(received: Path):
     shutil.rmtree(received / "figures", ignore_errors=True)
     (received.parent / "elsewhere").mkdir()
@@ -256,7 +277,7 @@ def test_a_mesh_in_other_files_is_refused(tmp_path: Path):
     assert "refers to other files; a mesh must be whole in one" in cannot_be_read(tmp_path / "rod.vtkhdf")
 
 
-@pytest.mark.parametrize(("far", "words"), [(1e300, r"reach 1e\+300 mm"), (float("nan"), "not all finite")])
+@pytest.mark.parametrize(("far", "words"), [(1e20, r"reach 1e\+20 mm"), (float("nan"), "not all finite")])
 def test_coordinates_beyond_any_length_are_refused_without_a_warning(tmp_path: Path, far: float, words: str):
     position = ROD.position.copy()
     position[3, 0] = far

@@ -15,6 +15,7 @@ from viscopoint.errors import InputError
 from viscopoint.folder import FIGURES, SUMMARY, create, disk_faults, write_json
 from viscopoint.ledger import UNITS, Row
 from viscopoint.results import NEAR, Run
+from viscopoint.wording import one_line
 
 PHYSICS = ("rod", "impact", "material")  # tables of a case that say what happens; the others say how it is computed
 WINDOW = 0.5e-3  # ms over which the wall force is averaged: on a grid it comes in blows
@@ -47,9 +48,9 @@ class Comparison:
 
     def warnings(self) -> list[str]:
         """Return what makes the numbers less comparable than they look."""
-        told = [f"INCOMPLETE: {run.folder} ({run.results.reason})" for run in self.runs if run.status != "complete"]
+        told = [f"INCOMPLETE: {_place(run)} ({run.results.reason})" for run in self.runs if run.status != "complete"]
         if len({run.provenance.get("sources") for run in self.runs}) > 1:
-            made = ", ".join(f"{run.folder} by {run.provenance.get('commit') or 'another'}" for run in self.runs)
+            made = ", ".join(f"{_place(run)} by {run.provenance.get('commit') or 'another'}" for run in self.runs)
             told.append(f"NOTE: made by different versions of viscopoint: {made}")
         if self.physics:
             told.append(f"NOTE: of different physics: {', '.join(self.physics)}")
@@ -171,9 +172,9 @@ def _is_among(time: float, times: Iterable[float]) -> bool:
 def _names(runs: Sequence[Run]) -> tuple[str, ...]:
     """Return the folders' names, with as many parent folders as tell them apart; of one folder twice, numbered."""
     places = [run.folder.resolve() for run in runs]
-    names = [str(place) for place in places]
+    names = [one_line(str(place)) for place in places]
     for depth in range(1, max(len(place.parts) for place in places) + 1):
-        names = ["/".join(place.parts[-depth:]) for place in places]
+        names = [one_line("/".join(place.parts[-depth:])) for place in places]
         if len(set(names)) == len(set(places)):
             break
     twice = {name for name in names if names.count(name) > 1}
@@ -195,7 +196,7 @@ def _described(name: str, run: Run) -> dict[str, Any]:
     case, results = run.case, run.results
     return {
         "name": name,
-        "folder": str(run.folder),
+        "folder": _place(run),
         "title": case.title,
         "method": case.method.name,
         "axisymmetric": in_half_plane(run.body),
@@ -208,6 +209,11 @@ def _described(name: str, run: Run) -> dict[str, Any]:
         "commit": run.provenance.get("commit"),
         "sources": run.provenance.get("sources"),
     }
+
+
+def _place(run: Run) -> str:
+    """Return a run's folder as it may be shown: its name may hold what is no letter."""
+    return one_line(str(run.folder))
 
 
 def _numbers(state: State) -> dict[str, float | None]:

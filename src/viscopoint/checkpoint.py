@@ -10,10 +10,10 @@ import shutil
 import time as clock
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
@@ -26,7 +26,12 @@ FOLDER = "checkpoints"
 KEPT = 2  # the last one may be damaged
 LARGEST_TEXT = 64 * 2**20  # bytes of progress: rows of 10,000 snapshots take 5 MB
 DAMAGE = (OSError, ValueError, KeyError, TypeError, AttributeError, MemoryError, SafetensorError)
+STEPS = "critical"  # of the state, what is infinite where there is nothing
 NEVER, SIMULATED = "never", "simulated"
+
+
+Finite = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=0, lt=2**62)]
 
 
 class Progress(BaseModel):
@@ -36,16 +41,16 @@ class Progress(BaseModel):
 
     sources: str  # what computed it
     case: str  # hash of the run folder's case file
-    time: float  # ms
-    step: int
-    time_step: float  # ms
-    first_step: float  # stable at the start, ms
-    busy: float  # s
-    errors: tuple[float, float]  # greatest so far, of energy (a share) and momentum, N ms
-    start: list[float]  # the account at the start, see ``ledger``
+    time: Finite  # ms
+    step: Count
+    time_step: Finite  # ms
+    first_step: Annotated[Finite, Field(gt=0)]  # stable at the start, ms
+    busy: Finite  # s
+    errors: tuple[Finite, Finite]  # greatest so far, of energy (a share) and momentum, N ms
+    start: list[Annotated[float, Field(allow_inf_nan=False)]]  # the account at the start, see ``ledger``
     before: list[float]
-    rows: list[list[float]]  # at the snapshots
-    marks: list[int]  # of the outputs
+    rows: Annotated[list[list[float]], Field(min_length=1)]  # at the snapshots
+    marks: list[Count]  # of the outputs
 
 
 class Checkpoint(NamedTuple):
@@ -132,6 +137,8 @@ def load(file: Path, like: Mapping[str, Rows]) -> Checkpoint:
         for name, values in state.items():
             if values.dtype != like[name].dtype or values.shape != like[name].shape:
                 raise ValueError(f"{name} is not that of the case")
+            if name != STEPS and not np.isfinite(values).all():
+                raise ValueError(f"{name} is not finite")
         if checksum != _checksum(text, state):
             raise ValueError("checksum is wrong")
         return Checkpoint(Progress.model_validate_json(text), state)

@@ -56,7 +56,7 @@ UNITS: dict[str, str] = {name: hint.__metadata__[0] for name, hint in get_type_h
 
 
 def row_of(values: Sequence[float]) -> Row:
-    """Return a row of numbers that were one."""
+    """Return a row of numbers that were one; raise ``ValueError`` if they were not."""
     return Row._make(kind(value) for kind, value in zip(_KINDS, values, strict=True))
 
 

@@ -12,7 +12,7 @@ import numba
 
 from viscopoint.sources import digest
 
-# of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums in fields
+# of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums
 FORMAT, READABLE = 6, (5, 6)
 PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 

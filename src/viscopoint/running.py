@@ -153,7 +153,7 @@ def _compute(folder: Path, model: Model, every: Every, found: Checkpoint | None,
             stop = stack.enter_context(noted(company.tell))
             simulation = Simulation(model, writers, company.watch, keeper, stop)
             if found:
-                simulation.resume(found)
+                _go_on(simulation, found, folder)
             outcome = simulation.run()
         start = simulation.ledger.start.kinetic
         _write_summary(folder, Summary.of_start(model.body).ended(outcome, start))
@@ -175,6 +175,13 @@ def _writers(folder: Path, model: Model, found: Checkpoint | None) -> list[Write
         raise InputError(f"run folder {folder}: what it holds does not go with its checkpoint ({error})") from None
 
 
+def _go_on(simulation: Simulation, found: Checkpoint, folder: Path) -> None:
+    try:
+        simulation.resume(found)
+    except (ValueError, TypeError) as error:
+        raise InputError(f"run folder {folder}: its checkpoint is not of its {CASE} ({error})") from None
+
+
 def _finished(result: Run, company: Company) -> Run:
     """Leave nothing behind that only an unfinished run needs, and draw the figures."""
     if result.status != "interrupted":
@@ -188,8 +195,10 @@ def _finished(result: Run, company: Company) -> Run:
 def _check_own(folder: Path) -> None:
     """Refuse a folder in which writing would reach files elsewhere."""
     for path in folder.rglob("*"):
-        if path.is_symlink():
-            raise InputError(f"run folder {folder}: {path.name} is a link; only a folder of plain files can be resumed")
+        if path.is_symlink() or not (path.is_file() or path.is_dir()):
+            raise InputError(
+                f"run folder {folder}: {path.name} is a link or a device; only a folder of plain files can be resumed"
+            )
 
 
 def _keep_silent(words: str) -> None:

@@ -55,6 +55,7 @@ class Simulation:
         try:
             if not self.rows:
                 self._snapshot(self._record(0.0))
+            check_step(self.time, self.first_step, self.model.case.guards, self.model.method)
             for instant in self._instants()[len(self.rows) - 1 :]:
                 self._snapshot(self._advance_to(instant))
         except GuardError as error:
@@ -65,13 +66,18 @@ class Simulation:
         return Outcome(status, reason, self.stop.asked, self.rows, self.step, self.busy, *self.errors)
 
     def resume(self, checkpoint: Checkpoint) -> None:
-        """Go on from a checkpoint of the same model by the same version."""
+        """Go on from a checkpoint of the same model by the same version; raise ``ValueError`` if it is none."""
         progress = checkpoint.progress
+        rows = [row_of(values) for values in progress.rows]
+        if [row.time for row in rows] != [0.0, *self._instants()][: len(rows)] or not (
+            rows[-1].time <= progress.time <= self.model.case.time.end
+        ):
+            raise ValueError("its times are not those of the case")
         self.model.method.restore(checkpoint.state)
         self.ledger.restore(progress.start, progress.before)
         self.time, self.step, self.time_step = progress.time, progress.step, progress.time_step
         self.busy, self.errors, self.first_step = progress.busy, progress.errors, progress.first_step
-        self.rows = [row_of(values) for values in progress.rows]
+        self.rows = rows
 
     def _checkpoint(self) -> None:
         if self.keeper is None:

@@ -158,7 +158,7 @@ def test_what_does_not_go_with_a_checkpoint_is_refused(change: str, tmp_path: Pa
     else:
         (folder / "history.csv").rename(tmp_path / "elsewhere.csv")
         (folder / "history.csv").symlink_to(tmp_path / "elsewhere.csv")
-        message = "is a link"
+        message = "is a link or a device"
     with pytest.raises(vp.InputError, match=message):
         vp.resume(folder)
 

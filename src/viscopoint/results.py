@@ -160,9 +160,10 @@ class Run:
         """Draw all figures into the run folder and return their files."""
         from viscopoint.figures import draw_all
 
-        if (self.folder / FIGURES).is_symlink():
-            raise InputError(f"run folder {self.folder}: {FIGURES} is a link, so figures would be drawn elsewhere")
-        return draw_all(self, self.folder / FIGURES)
+        figures = self.folder / FIGURES
+        if any(path.is_symlink() for path in (figures, *figures.glob("*"))):
+            raise InputError(f"run folder {self.folder}: {FIGURES} has links, so figures would be drawn elsewhere")
+        return draw_all(self, figures)
 
     def _counted(self, number: int) -> int:
         try:

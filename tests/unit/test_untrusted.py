@@ -246,7 +246,12 @@ def test_figures_are_not_drawn_through_a_link(received: Path):
     shutil.rmtree(received / "figures", ignore_errors=True)
     (received.parent / "elsewhere").mkdir()
     (received / "figures").symlink_to("../elsewhere")
-    with pytest.raises(vp.InputError, match="figures is a link"):
+    with pytest.raises(vp.InputError, match="figures has links"):
+        vp.Run(received).draw()
+    (received / "figures").unlink()
+    (received / "figures").mkdir()
+    (received / "figures" / ".shapes.png.part").symlink_to("../../elsewhere/shapes.png")
+    with pytest.raises(vp.InputError, match="figures has links"):
         vp.Run(received).draw()
     assert not any((received.parent / "elsewhere").iterdir())
 

@@ -87,6 +87,13 @@ def test_every_text_is_shown_as_it_is_and_none_is_read_as_html(pixel: Path, runs
     assert labels["methods"] == [f"FEM {ATTACK}", f"MPM {ATTACK}"]
 
 
+def test_text_neither_turns_the_page_s_direction_nor_ends_its_writing(tmp_path: Path):
+    write_page(page_of(Paragraph("one\u202e\x1b[2J"), title="\udcff"), tmp_path / "page.html")
+    seen = Reader((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert "one\\u202e\\x1b[2J" in seen.text
+    assert "\\udcff" in seen.text
+
+
 def test_page_needs_nothing_from_elsewhere(pixel: Path, scene: Scene):
     seen = Reader(page_text(page_of(Picture(pixel, "A rod."), View(scene))))
     addresses = [values[name] or "" for _, values in seen.tags for name in ("src", "href") if name in values]

@@ -11,6 +11,7 @@ from typing import Any
 from viscopoint.errors import OutputError
 from viscopoint.folder import write_text
 from viscopoint.report.scene import Scene
+from viscopoint.wording import one_line
 
 LIMIT = 15_000_000  # bytes of a page: more cannot be mailed, and opens slowly
 WITHIN_SCRIPT = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}  # JSON's own
@@ -116,8 +117,16 @@ def _environment() -> Any:
 
     load: Callable[[str], str] = _file
     return Environment(
-        loader=FunctionLoader(load), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
+        loader=FunctionLoader(load), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+        finalize=_showing,
+    )  # fmt: skip
+
+
+def _showing(value: Any) -> Any:
+    """Return text in which nothing acts on what is around it; HTML in it is escaped afterwards."""
+    if not isinstance(value, str) or hasattr(value, "__html__"):
+        return value
+    return "\n".join(map(one_line, value.split("\n")))
 
 
 @cache

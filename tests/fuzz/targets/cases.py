@@ -24,6 +24,23 @@ UNITS = (
     "degC", "dB", "K", "percent", "", "mm*mm/mm", "ly", "eV", "m" * 90, "1/" * 40 + "m", "delta_degF", "inch", "%",
     "µs", "(mm)",
 )  # fmt: skip
+SIZES = (
+    "rod.radius", "rod.length", "impact.gap", "impact.speed", "method.size", "method.spacing", "method.cell",
+    "time.end", "method.box.low", "method.box.high", "method.grading",
+)  # fmt: skip
+EXTREMES = (
+    "1e-15 mm",
+    "1e15 mm",
+    "1e-6 mm",
+    "1e6 mm",
+    "1e15 m/s",
+    "1e-15 ms",
+    "1e15 ms",
+    "100",
+    "0.01",
+    "0 mm",
+    "-1 mm",
+)
 VALUES = (
     "[]", "{}", "true", "''", "[[]]", "{name='fem', mesh='rod.vtu'}", "{name='fem', mesh='../outside/canary.toml'}",
     "{law='elastic'}", "{name='mpm', cell='0 mm'}", "['1 us', '2 us']", "['1 us'," + "'1e-9 us'," * 3000 + "]",
@@ -52,7 +69,7 @@ class Target:
         text = one_of(choices, self.texts)
         if not chance(choices, 30):
             text = edited(choices, text, pieces)
-        self.changes = [self._change(choices) for _ in range(choices.integer(0, 3))]
+        self.changes = [self._change(choices) for _ in range(choices.integer(0, 4))]
         self.method = one_of(choices, (None, None, *METHODS, "papr"))
         self.file.write_bytes(text)
         return f"{text[:3000]!r} --set {self.changes!r:.3000} --method {self.method}"
@@ -61,7 +78,9 @@ class Target:
         key = one_of(choices, self.keys)
         if chance(choices, 5):
             key = edited(choices, key.encode(), most=1).decode(errors="replace").replace("\0", "")
-        kind = choices.integer(0, 3)
+        kind = choices.integer(0, 5)
+        if kind > 3:
+            return f"{one_of(choices, SIZES)}={one_of(choices, EXTREMES)}"
         if kind == 0:
             return f"{key}={one_of(choices, VALUES)}"
         if kind == 1:

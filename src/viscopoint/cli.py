@@ -2,7 +2,6 @@
 
 import contextlib
 import gc
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from viscopoint import interruption
+from viscopoint.wording import one_line
 
 if TYPE_CHECKING:
     from viscopoint.ledger import Row
@@ -84,10 +84,10 @@ def run(
 ) -> None:
     """Simulate a case and leave a run folder."""
     with _messages(), _followed() as company:
-        from viscopoint.case import Case
+        from viscopoint.case import Case, changes_of
         from viscopoint.running import run as run_case
 
-        resolved = Case.load(case, _changes(changes), method=method)
+        resolved = Case.load(case, changes_of(changes or []), method=method)
         _use_threads(threads)
         name = Path(case).name.removesuffix(".toml")
         folder = out or Path("runs", f"{name}-{method}" if method else name)
@@ -163,7 +163,7 @@ def compare(
             screen.print(table)
         for text in (*made.warnings(), NOTE):
             screen.print(text, markup=False)
-        screen.print(str(out), markup=False, soft_wrap=True)
+        screen.print(one_line(str(out)), markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -187,7 +187,7 @@ def reproduce(
             screen.print(table)
         screen.print(f"{made.wall_time:.0f} s", markup=False)
         for file in (*made.figures.values(), *([made.report] if made.report else [])):
-            screen.print(str(file), markup=False, soft_wrap=True)
+            screen.print(one_line(str(file)), markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -230,7 +230,7 @@ def bench(
         for text in (*table.notes(made), *(comparing.notes(old, made) if old else ())):
             screen.print(text, markup=False)
         if out:
-            screen.print(str(out), markup=False, soft_wrap=True)
+            screen.print(one_line(str(out)), markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -261,7 +261,8 @@ def new(
             write_text(file, (resources.files("viscopoint.cases") / "starter.txt").read_text(encoding="utf-8"))
         except OSError as error:
             raise InputError(f"case file {file}: cannot be written ({error.strerror})") from None
-        typer.echo(f"{file}: run it with `viscopoint run {file}`")
+        name = one_line(str(file))
+        typer.echo(f"{name}: run it with `viscopoint run {name}`")
 
 
 @app.command()
@@ -324,25 +325,9 @@ def _followed() -> Iterator[_Company]:
     assert done is not None
     terminal.print_summary(done)
     if done.status == "interrupted":
-        typer.echo(f"viscopoint: go on with `viscopoint resume {done.folder}`", err=True)
+        typer.echo(f"viscopoint: go on with `viscopoint resume {one_line(str(done.folder))}`", err=True)
         raise typer.Exit(interruption.exit_code(done.results.signal))
     raise typer.Exit(0 if done.status == "complete" else 1)
-
-
-def _changes(settings: list[str] | None) -> dict[str, Any]:
-    """Read --set KEY=VALUE, the value as TOML or else as bare text."""
-    from viscopoint.errors import InputError
-
-    changes: dict[str, Any] = {}
-    for setting in settings or []:
-        key, equals, text = setting.partition("=")
-        if not equals or not all(part.strip() for part in key.split(".")):
-            raise InputError(f"--set {setting}: write it as KEY=VALUE, such as rod.radius='4 mm'")
-        try:
-            changes[key.strip()] = tomllib.loads(f"value = {text}")["value"]
-        except (tomllib.TOMLDecodeError, KeyError):
-            changes[key.strip()] = text.strip()
-    return changes
 
 
 def _use_threads(threads: int | None) -> None:

@@ -151,6 +151,7 @@ def whole(path: Path) -> Iterator[Path]:
     """Yield where to write a file, which then takes its place whole, or not at all."""
     part = path.with_name(f".{path.name}.part")
     try:
+        part.unlink(missing_ok=True)  # a link that somebody left there would lead elsewhere
         yield part
         part.replace(path)
         sync_folder(path.parent)

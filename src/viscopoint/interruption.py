@@ -18,10 +18,15 @@ class Stop:
 
     asked = ""  # such as "SIGINT"
 
+    def obey(self) -> None:
+        """Raise what the signal would have raised, if there was one."""
+        if self.asked:
+            raise Terminated if self.asked == "SIGTERM" else KeyboardInterrupt
+
 
 @contextlib.contextmanager
-def noted(tell: Callable[[str], None]) -> Iterator[Stop]:
-    """Yield what notes the first signal; a second one does what it did before.
+def noted(tell: Callable[[str], None] | None = None) -> Iterator[Stop]:
+    """Yield what notes the first signal, and tells of it; a second one does what it did before.
 
     Outside of the main thread signals go elsewhere, and one that is ignored stays so.
     """
@@ -31,7 +36,8 @@ def noted(tell: Callable[[str], None]) -> Iterator[Stop]:
     def note(number: int, frame: FrameType | None) -> None:
         stop.asked = signal.Signals(number).name
         _put_back(before)
-        tell("interrupted: finishing the step (once more: at once)")
+        if tell:
+            tell("interrupted: finishing the step (once more: at once)")
 
     if threading.current_thread() is threading.main_thread():
         before |= {number: signal.getsignal(number) for number in SIGNALS}

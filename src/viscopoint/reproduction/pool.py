@@ -14,6 +14,7 @@ from typing import Any
 from viscopoint.case import Case
 from viscopoint.errors import InputError, ViscopointError
 from viscopoint.folder import CASE
+from viscopoint.interruption import Stop, noted
 from viscopoint.results import Run
 from viscopoint.sources import digest
 
@@ -39,12 +40,16 @@ class Pool:
         self.stop: Any = context.Event()
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         told = (self.begun, self.shares, self.stop)
+        self.noting, self.asked = contextlib.ExitStack(), Stop()
         self.executor = ProcessPoolExecutor(cores, mp_context=context, initializer=_begin, initargs=told)
 
     def __enter__(self) -> "Pool":
+        # an exception raised just anywhere may be lost, in a callback of the interpreter's own
+        self.asked = self.noting.enter_context(noted())
         return self
 
     def __exit__(self, kind: type | None, *rest: Any) -> None:
+        self.noting.close()
         if kind is not None:
             self.stop.set()  # also for what goes on, and for what a worker has fetched already
         try:
@@ -53,6 +58,8 @@ class Pool:
             for worker in multiprocessing.active_children():
                 worker.kill()
             raise
+        if kind is None:
+            self.asked.obey()
 
     def finish(self, cases: Mapping[str, Case], folder: Path, watch: Watch | None = None) -> dict[str, Run]:
         """Return a finished run of each case, kept in ``folder`` under its name: the one there, or a new one.
@@ -87,6 +94,7 @@ class Pool:
         left = set(futures)
         try:
             while left:
+                self.asked.obey()
                 done, left = wait(left, timeout=PATIENCE, return_when=FIRST_COMPLETED)
                 for future in done:
                     future.result()

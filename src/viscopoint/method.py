@@ -107,7 +107,7 @@ class Method(Protocol):
         ...
 
     def restore(self, state: dict[str, Rows]) -> None:
-        """Take over a state."""
+        """Take over a state: copy it into the method's own arrays."""
         ...
 
 

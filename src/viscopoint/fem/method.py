@@ -214,8 +214,5 @@ class FiniteElementMethod:
         return {**moving, "critical": self.limits.critical, "tally": self.tally}
 
     def restore(self, state: dict[str, Rows]) -> None:
-        nodes = {name: np.array(state[name]) for name in Nodes._fields if name not in CONSTANT}
-        elements = {name: np.array(state[name]) for name in Elements._fields if name not in CONSTANT}
-        self.nodes, self.elements = self.nodes._replace(**nodes), self.elements._replace(**elements)
-        self.limits.critical[:] = state["critical"]
-        self.tally = np.array(state["tally"])
+        for name, rows in self.state().items():
+            rows[...] = state[name]

@@ -189,8 +189,6 @@ class MaterialPointMethod:
         return {**moving, "critical": self.grid.critical, "tally": self.tally}
 
     def restore(self, state: dict[str, Rows]) -> None:
-        moving = {name: np.array(state[name]) for name in Points._fields if name not in CONSTANT}
-        self.points = self.points._replace(**moving)
-        self.grid.critical[:] = state["critical"]
-        self.tally = np.array(state["tally"])
+        for name, rows in self.state().items():
+            rows[...] = state[name]
         self._sort()

@@ -216,8 +216,5 @@ class TotalLagrangianMethod:
         return {**points, **nodes, "critical": self.critical, "tally": self.tally}
 
     def restore(self, state: dict[str, Rows]) -> None:
-        points = {name: np.array(state[f"point_{name}"]) for name in Points._fields if name not in CONSTANT}
-        nodes = {name: np.array(state[f"node_{name}"]) for name in Nodes._fields if name not in CONSTANT}
-        self.points, self.nodes = self.points._replace(**points), self.nodes._replace(**nodes)
-        self.critical[:] = state["critical"]
-        self.tally = np.array(state["tally"])
+        for name, rows in self.state().items():
+            rows[...] = state[name]

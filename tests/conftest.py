@@ -1,3 +1,4 @@
+import signal
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,11 @@ SMALL = {
     "time.snapshots": ["1 us"],
 }
 SMALL_FEM = {"method.size": "1.2 mm", "time.end": "2 us", "time.snapshots": ["1 us"]}
+
+
+def pytest_configure() -> None:
+    """Let processes that tests start hear Ctrl-C, also if the tests go on in the background of a shell."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ from typing import IO, Any
 from filelock import FileLock, Timeout
 
 from viscopoint.errors import InputError, OutputError
+from viscopoint.wording import one_line
 
 CASE, PROVENANCE, SUMMARY, FIGURES = "case.toml", "provenance.json", "summary.json", "figures"
 TOKEN = 8  # bytes of chance in the name of a folder that is being made
@@ -111,9 +112,12 @@ def _place_faults(folder: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def disk_faults(folder: Path, advice: str = "") -> Iterator[None]:
-    """Turn a full or vanished disk into a message that ends with some advice."""
+    """Turn a full or vanished disk, or memory that ran out, into a message that ends with some advice."""
     try:
         yield
+    except MemoryError as error:
+        told = one_line(f": {error}" if str(error) else "")
+        raise OutputError(f"output folder {folder}: memory ran out{told}; what is there stays{advice}") from error
     except OSError as error:
         wrong = error.strerror or error
         raise OutputError(

@@ -1,6 +1,5 @@
 """The tables of a case that every method shares, and what all tables have in common."""
 
-import os
 from abc import abstractmethod
 from collections.abc import Iterable
 from pathlib import Path
@@ -20,6 +19,7 @@ from viscopoint.wording import one_line, unseen
 if TYPE_CHECKING:
     from viscopoint.body import Body
     from viscopoint.laws import Law
+    from viscopoint.memory import Need
     from viscopoint.method import Method
 
 MOST_SNAPSHOTS = 10_000
@@ -101,6 +101,10 @@ class MethodInput(Table):
         return self
 
     @abstractmethod
+    def need(self, rod: "Rod") -> "Need":
+        """Return how much memory a run takes, by an estimate that is rather too high."""
+
+    @abstractmethod
     def body(self, rod: "Rod") -> "Body":
         """Return the rod's points, and cells if the method has any."""
 
@@ -171,8 +175,3 @@ class Output(Table):
     """How often to write a line of history (0: every step)."""
 
     history_interval: Instant = 0.0
-
-
-def machine_memory() -> float:
-    """Return the machine's memory in bytes."""
-    return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")

@@ -1,4 +1,7 @@
-"""Ctrl-C and the system's request to end (SIGTERM): noted, so that a run ends where it can be gone on with."""
+"""Ctrl-C and the system's request to end (SIGTERM): noted, so that a run ends where it can be gone on with.
+
+A signal that is ignored when the process starts stays so: shells begin thus what is to go on in the background.
+"""
 
 import contextlib
 import os
@@ -28,7 +31,7 @@ class Stop:
 def noted(tell: Callable[[str], None] | None = None) -> Iterator[Stop]:
     """Yield what notes the first signal, and tells of it; a second one does what it did before.
 
-    Outside of the main thread signals go elsewhere, and one that is ignored stays so.
+    Outside of the main thread signals go elsewhere.
     """
     stop = Stop()
     before: dict[int, Any] = {}
@@ -40,10 +43,7 @@ def noted(tell: Callable[[str], None] | None = None) -> Iterator[Stop]:
             tell("interrupted: finishing the step (once more: at once)")
 
     if threading.current_thread() is threading.main_thread():
-        before |= {number: signal.getsignal(number) for number in SIGNALS}
-        for number in SIGNALS:
-            if before[number] != signal.SIG_IGN:
-                signal.signal(number, note)
+        before |= _handled(note, *SIGNALS)
     try:
         yield stop
     finally:
@@ -61,7 +61,7 @@ def raising() -> Iterator[None]:
     def end(number: int, frame: FrameType | None) -> None:
         raise Terminated
 
-    before: dict[int, Any] = {signal.SIGTERM: signal.signal(signal.SIGTERM, end)}
+    before = _handled(end, signal.SIGTERM)
     try:
         yield
     finally:
@@ -78,7 +78,7 @@ def ending_at_once() -> Iterator[None]:
         os.write(2, b"viscopoint: interrupted\n")
         os._exit(128 + number)
 
-    before: dict[int, Any] = {number: signal.signal(number, end) for number in SIGNALS}
+    before = _handled(end, *SIGNALS)
     try:
         yield
     finally:
@@ -88,6 +88,12 @@ def ending_at_once() -> Iterator[None]:
 def exit_code(name: str) -> int:
     """Return what a process that a signal ended exits with, such as 130 for "SIGINT"."""
     return 128 + signal.Signals[name]
+
+
+def _handled(handler: Callable[[int, FrameType | None], None], *numbers: int) -> dict[int, Any]:
+    """Let signals call a handler, and return what they did before."""
+    heard = [number for number in numbers if signal.getsignal(number) != signal.SIG_IGN]
+    return {number: signal.signal(number, handler) for number in heard}
 
 
 def _put_back(before: dict[int, Any]) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from viscopoint import memory
 from viscopoint.body import Body
 from viscopoint.case import LONGEST_FILE, Case
 from viscopoint.errors import InputError
@@ -96,7 +97,8 @@ class Run:
 
     @functools.cached_property
     def body(self) -> Body:
-        """The rod's points at the start, as the case gives them."""
+        """The rod's points at the start, as the case gives them; ``InputError`` if they would not fit here."""
+        memory.check(self.case.method.need(self.case.rod), memory.machine())
         return self.case.method.body(self.case.rod)
 
     @functools.cached_property

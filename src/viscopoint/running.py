@@ -60,7 +60,8 @@ def run(
         The run. Look at its ``status``: a run that a guard stopped, or Ctrl-C, is returned as far as it went.
 
     Raises:
-        InputError: the folder is already there or cannot be made, or the case would take forever.
+        InputError: the folder is already there or cannot be made, or the case would take forever or does not fit into
+            memory.
         OutputError: the results could not be written.
     """
     every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
@@ -145,7 +146,7 @@ def resume(
 
 def _compute(folder: Path, model: Model, every: Every, found: Checkpoint | None, company: Company) -> Run:
     """Let a model run to its end, writing into its folder, from a checkpoint if there is one."""
-    with disk_faults(folder, f"; `viscopoint resume {folder}` goes on where it can be written"):
+    with disk_faults(folder, f"; once there is room, `viscopoint resume {folder}` goes on"):
         with contextlib.ExitStack() as stack:
             writers = [stack.enter_context(contextlib.closing(writer)) for writer in _writers(folder, model, found)]
             keeper = Keeper(folder, every, digest(), checkpoint.hashed(folder / CASE))
@@ -178,6 +179,7 @@ def _writers(folder: Path, model: Model, found: Checkpoint | None) -> list[Write
 def _go_on(simulation: Simulation, found: Checkpoint, folder: Path) -> None:
     try:
         simulation.resume(found)
+        found.state.clear()  # the method has it now
     except (ValueError, TypeError) as error:
         raise InputError(f"run folder {folder}: its checkpoint is not of its {CASE} ({error})") from None
 

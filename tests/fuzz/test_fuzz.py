@@ -15,7 +15,7 @@ import pytest
 
 HARNESS = Path(__file__).with_name("harness.py")
 TARGETS = sorted(file.stem for file in (HARNESS.parent / "targets").glob("*.py"))
-FEW = {"cases": 300, "meshes": 150, "run_folders": 300, "checkpoints": 150, "fields": 300}  # what takes some seconds
+FEW = {"cases": 200, "meshes": 80, "run_folders": 150, "checkpoints": 80, "fields": 120}  # what takes some seconds
 MANY = 20_000
 FAILURES = ("tracebacks", "hangs", "escapes", "messages")
 

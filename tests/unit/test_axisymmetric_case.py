@@ -37,7 +37,6 @@ def test_an_undeformed_rod_measures_what_the_case_says(changes: dict[str, str], 
 @pytest.mark.parametrize(("changes", "method", "told"), [
     ({"method.fill": "rings"}, "tlmpm", '"rings" fills a circle; with method.geometry = "axisymmetric" boxes fit'),
     ({"method.geometry": "round"}, "mpm", "is not known; allowed: 3d, axisymmetric"),
-    ({"method.spacing": "0.1 um", "method.cell": "0.2 um"}, "tlmpm", "take a larger one"),
 ])  # fmt: skip
 def test_faults_are_told_with_key_value_and_what_is_allowed(changes: dict[str, str], method: str, told: str):
     with pytest.raises(CaseError) as caught:

@@ -103,7 +103,6 @@ def test_units_of_the_same_dimension_are_converted():
         ("method.safety", 0.0, "must be greater than 0"),
         ("method.cell", "5 mm", "larger than the rod: rod.radius is 3.8 mm"),
         ("method.spacing", "0.6 mm", "larger than method.cell, 0.5 mm"),
-        ("method.spacing", "1 nm", "take a larger one"),
         ("method.box.x", ["-3 mm", "6 mm"], "cuts the rod"),
         ("method.box.y", ["-6 mm", "3 mm"], "cuts the rod"),
         ("method.box.z", ["-0.01 mm", "20 mm"], "cuts the rod"),

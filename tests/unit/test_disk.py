@@ -43,7 +43,9 @@ def command(*words: str | Path) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.parametrize("room", [0, 30_000, 300_000, 900_000, 1_600_000])
+@pytest.mark.parametrize(
+    "room", [0, 900_000, *(pytest.param(room, marks=pytest.mark.long) for room in (30_000, 300_000, 1_600_000))]
+)
 def test_a_run_on_a_full_disk_ends_with_a_message_and_goes_on_when_there_is_room(disk: Path, whole: vp.Run, room: int):
     ballast = disk / "ballast"
     free = shutil.disk_usage(disk).free

@@ -8,6 +8,7 @@ import pyvista
 
 import viscopoint as vp
 from viscopoint.output import fields as field_file
+from viscopoint.verify import compare_bits
 
 
 def test_snapshots_are_hit_exactly(finished: Path):
@@ -118,6 +119,30 @@ def test_a_run_of_another_format_is_refused(finished: Path, tmp_path: Path):
     (tmp_path / "provenance.json").write_text(json.dumps(data | {"format": 99}))
     with pytest.raises(vp.InputError, match="format 99"):
         vp.Run(tmp_path)
+
+
+@pytest.mark.parametrize("number", [5])
+def test_a_run_of_an_older_format_is_read_compared_and_drawn(number: int, tmp_path: Path):
+    """The folders are regression data: each was written by the last version that wrote its format."""
+    shutil.unpack_archive(Path(__file__).parent / "older" / f"format-{number}.zip", tmp_path / "older")
+    older = vp.Run(tmp_path / "older")
+    assert older.provenance["format"] == number
+    now = vp.run(older.case, tmp_path / "now", figures=False)
+    verdict = compare_bits(older, now)
+    # another processor or compiler may round otherwise
+    assert [found for found in verdict.differences if found.greatest > 1e-9] == []
+    assert verdict.notes[0].startswith("sources: ")
+    assert older.draw()
+
+
+def test_a_run_of_an_older_format_that_was_not_finished_is_not_resumed(tmp_path: Path):
+    shutil.unpack_archive(Path(__file__).parent / "older" / "format-5.zip", tmp_path / "older")
+    summary = json.loads((tmp_path / "older" / "summary.json").read_text())
+    (tmp_path / "older" / "summary.json").write_text(json.dumps(summary | {"status": "interrupted"}))
+    before = {path: path.read_bytes() for path in (tmp_path / "older").iterdir()}
+    with pytest.raises(vp.InputError, match="begun by other sources"):
+        vp.resume(tmp_path / "older")
+    assert {path: path.read_bytes() for path in before} == before
 
 
 def test_a_run_without_folder_lives_as_long_as_its_object(quick: vp.Case):

@@ -99,7 +99,6 @@ def test_any_other_title_is_shown_as_it_is(tmp_path: Path, finished: Path, title
         ("".join(f"a{number} = 1\n" for number in range(80_000)), "and 79900 more"),
         (f'{json.dumps(ESCAPES)} = "{"x" * 10_000}"', r'"\u001b[2J'),
         (f'material.law = "{"elastic" * 10_000}"', "elastic' is not known; allowed: elastic, elastic-plastic"),
-        ('method = { name = "fem", size = "1e-15 mm" }\nrod.length = "1e14 mm"', "take a larger one"),
     ],
 )
 def test_a_hostile_case_is_refused_at_once_and_in_few_words(tmp_path: Path, text: str, words: str):

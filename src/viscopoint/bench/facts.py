@@ -6,7 +6,7 @@ from typing import Any
 
 import numba
 
-from viscopoint.inputs import machine_memory
+from viscopoint import memory
 from viscopoint.provenance import provenance
 
 OF_A_RUN = ("format", "threads", "command", "started", "ended")  # of provenance: not of the machine
@@ -21,7 +21,7 @@ def facts() -> dict[str, Any]:
         "cores": os.cpu_count(),
         "threads": numba.get_num_threads(),
         "caches [bytes]": caches(),
-        "memory [bytes]": int(machine_memory()),
+        "memory [bytes]": int(memory.machine()),
         "load": round(os.getloadavg()[0], 2),  # programs that ran in the last minute, on average
     }
 

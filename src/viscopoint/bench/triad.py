@@ -7,10 +7,10 @@ import numba
 import numpy as np
 from numba import prange
 
+from viscopoint import memory
 from viscopoint.arrays import Array
 from viscopoint.bench.facts import last_cache
 from viscopoint.bench.record import Spread, Triad
-from viscopoint.inputs import machine_memory
 from viscopoint.jit import kernel
 
 CACHES = 4  # last-level caches to an array, as STREAM asks
@@ -36,7 +36,7 @@ def triad(a: Array, b: Array, c: Array, s: float) -> None:
 def length() -> int:
     """Return how many elements an array has."""
     wanted = max(LEAST_BYTES, CACHES * last_cache())
-    return int(min(wanted, max(LEAST_BYTES, SHARE * machine_memory()))) // 8
+    return int(min(wanted, max(LEAST_BYTES, SHARE * memory.machine()))) // 8
 
 
 def bandwidths(threads: Sequence[int], repeats: int) -> dict[int, list[float]]:

@@ -7,17 +7,19 @@ from typing import Any, Literal, NamedTuple, Self
 
 from pydantic import Field
 
+from viscopoint import memory
 from viscopoint.arrays import PRECISIONS
 from viscopoint.body import Body
 from viscopoint.errors import nearest
-from viscopoint.fem.elements import ELEMENTS
+from viscopoint.fem.elements import ELEMENTS, Element
 from viscopoint.fem.hourglass import HOURGLASS, StiffnessControl, ViscousControl
 from viscopoint.fem.method import Discretisation, FiniteElementMethod
 from viscopoint.fem.reading import read_rod, unreadable
 from viscopoint.fem.rod import rod_elements, rod_mesh
 from viscopoint.fem.section import section_elements, section_mesh
-from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
+from viscopoint.inputs import Impact, MethodInput, Rod, Table, one_of
 from viscopoint.laws import Law
+from viscopoint.memory import Need
 from viscopoint.rules import rule
 from viscopoint.units import Length
 
@@ -29,13 +31,11 @@ class Mesh(NamedTuple):
 
     body: Callable[[float, float, float, float], Body]
     elements: Callable[[float, float, float, float], int]  # how many
-    bytes_per_element: float  # of full integration, with nodes and one snapshot being written: a generous count
 
 
-MESHES = {
-    "3d": Mesh(rod_mesh, rod_elements, 1500),
-    "axisymmetric": Mesh(section_mesh, section_elements, 1000),
-}
+MESHES = {"3d": Mesh(rod_mesh, rod_elements), "axisymmetric": Mesh(section_mesh, section_elements)}
+# of an element with nodes and one snapshot being written, and of each of its integration points: generous counts
+BYTES_PER_ELEMENT, BYTES_PER_INTEGRATION_POINT = 1400, 150
 
 
 class HourglassInput(Table):
@@ -89,6 +89,23 @@ class FEMInput(MethodInput):
         shutil.copyfile(self.mesh, folder / name)
         return self.model_copy(update={"mesh": name})
 
+    def need(self, rod: Rod) -> Need:
+        if self.size is None:  # those of a file are counted once they are read
+            return Need("method.mesh", str(self.mesh), 0.0)
+        elements = MESHES[self.geometry].elements(rod.radius, rod.length, self.size, self.grading)
+        return Need("method.size", f"{self.size:g} mm gives {elements:.1e} elements", self._bytes(elements))
+
+    def _need_of(self, mesh: Body) -> Need:
+        elements = len(mesh.cells)
+        told = f"{self.mesh} has {elements:.1e} elements"
+        return Need("method.mesh", told, self._bytes(elements), "take one of fewer")
+
+    def _bytes(self, elements: int) -> float:
+        return float(elements) * (BYTES_PER_ELEMENT + self._element().points * BYTES_PER_INTEGRATION_POINT)
+
+    def _element(self) -> Element:
+        return ELEMENTS[self.geometry][self.element].controlled(self.hourglass.build())
+
     def body(self, rod: Rod) -> Body:
         """Return the rod's mesh; raise ``InputError`` if that of a file will not do."""
         if self.mesh is not None:
@@ -99,14 +116,16 @@ class FEMInput(MethodInput):
     def build(self, rod: Rod, impact: Impact, law: Law) -> FiniteElementMethod:
         """Return the rod as finite elements on their way to the wall."""
         choices = Discretisation(
-            element=ELEMENTS[self.geometry][self.element].controlled(self.hourglass.build()),
+            element=self._element(),
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
             delete_below=self.delete_below,
             real=PRECISIONS[self.precision],
         )
-        motion = (0.0, 0.0, -impact.speed)
-        return FiniteElementMethod(self.body(rod), law, (impact.boundary(),), choices, motion)
+        body, motion = self.body(rod), (0.0, 0.0, -impact.speed)
+        if self.mesh is not None:
+            memory.check(self._need_of(body), memory.free())
+        return FiniteElementMethod(body, law, (impact.boundary(),), choices, motion)
 
 
 @rule("method.size", "method.mesh")
@@ -168,22 +187,6 @@ def size_within_length(size: float | None, length: float) -> str | None:
     if size is None or 2.0 * size <= length:
         return None
     return f"{size:g} mm leaves no two layers of elements in rod.length, {length:g} mm"
-
-
-@rule("method.size", "method.grading", "rod.radius", "rod.length", "method.geometry")
-def elements_within_memory(
-    size: float | None, grading: float, radius: float, length: float, geometry: str
-) -> str | None:
-    if size is None:
-        return None
-    mesh = MESHES[geometry]
-    elements = mesh.elements(radius, length, size, grading)
-    needed, there = elements * mesh.bytes_per_element / 2**30, machine_memory() / 2**30
-    if needed <= there:
-        return None
-    return (
-        f"{size:g} mm gives {elements:.1e} elements, about {needed:.3g} GiB; there are {there:.3g}: take a larger one"
-    )
 
 
 @rule("method.hourglass.coefficient", "method.hourglass.form", "method.safety", "method.element")

@@ -9,6 +9,7 @@ import numpy as np
 from numba import prange
 from numpy.typing import NDArray
 
+from viscopoint import memory
 from viscopoint.arrays import Array, Indices
 from viscopoint.jit import kernel, serial_kernel
 from viscopoint.mpm.geometry import GEOMETRIES
@@ -16,6 +17,8 @@ from viscopoint.mpm.points import Points
 from viscopoint.tensors import fetch, no_lanes, put
 
 CHUNKS = 64  # pieces of the point list that are sorted independently
+FIELDS = 3  # of a node beside the spare ones
+NEGLIGIBLE = 64e6  # bytes for which nobody need ask
 
 
 class Box(NamedTuple):
@@ -110,7 +113,8 @@ def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
         return grid
     first = np.maximum(low - 2 * margin, 0)
     nx, ny, nz = (int(n) for n in high + 2 * margin + 1 - first)
-    nodes = [np.zeros((nx * ny * nz, 4)) for _ in range(3)]
+    _check_memory(nx * ny * nz * (FIELDS + len(grid.spare)) * 4 * 8.0, least, most)
+    nodes = [np.zeros((nx * ny * nz, 4)) for _ in range(FIELDS)]
     spare = np.zeros((len(grid.spare), nx * ny * nz, 4))
     i0, j0, k0 = (int(index) for index in first)
     shift = (k0 * ny + j0) * nx + i0
@@ -119,6 +123,15 @@ def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
         nx=np.uint64(nx), ny=np.uint64(ny), nz=np.uint64(nz), shift=np.uint64(shift),
         momentum=nodes[0], velocity=nodes[1], change=nodes[2], spare=spare,
     )  # fmt: skip
+
+
+def _check_memory(size: float, least: Array, most: Array) -> None:
+    """Raise ``MemoryError`` if a grid [bytes] does not fit; the system would grant it, and end the process later."""
+    if size > NEGLIGIBLE and size > (there := memory.free()):
+        places = " to ".join("({:.3g}, {:.3g}, {:.3g}) mm".format(*place) for place in (least, most))
+        raise MemoryError(
+            f"the grid around points from {places} takes {size / 2**30:.3g} GiB; there are {there / 2**30:.3g}"
+        )
 
 
 @kernel

@@ -6,8 +6,9 @@ from pydantic import Field
 
 from viscopoint.arrays import PRECISIONS
 from viscopoint.body import Body
-from viscopoint.inputs import Impact, MethodInput, Rod, Table, machine_memory, one_of
+from viscopoint.inputs import Impact, MethodInput, Rod, Table, one_of
 from viscopoint.laws import Law
+from viscopoint.memory import Need
 from viscopoint.mpm.contacts import CONTACTS
 from viscopoint.mpm.fills import FILLS, MERIDIANS
 from viscopoint.mpm.geometry import GEOMETRIES
@@ -22,7 +23,7 @@ from viscopoint.units import Coordinate, Length
 
 MOST_CELLS = 1_000_000  # along an axis; only those around the body take memory
 HIGHEST_ORDER, USUAL_ORDER = 16, 2  # of FMPM
-BYTES_PER_POINT = 600  # points, grid, one snapshot being written: a generous count
+BYTES_PER_POINT, BYTES_PER_NODE = 800, 500  # with one snapshot being written, and one grid replacing another: generous
 
 
 Range = Annotated[tuple[Coordinate, Coordinate], Field(strict=False)]
@@ -73,6 +74,13 @@ class MPMInput(MethodInput):
         side = 4.0 * rod.radius
         box = BoxInput.model_construct(x=(-side, side), y=(-side, side), z=(0.0 - impact.gap, 2.0 * rod.length))
         return self.model_copy(update={"box": box})
+
+    def need(self, rod: Rod) -> Need:
+        points, nodes = (
+            GEOMETRIES[self.geometry].points(rod.radius, rod.length, apart) for apart in (self.spacing, self.cell)
+        )
+        size = points * BYTES_PER_POINT + nodes * BYTES_PER_NODE
+        return Need("method.spacing", f"{self.spacing:g} mm gives {points:.1e} points", size)
 
     def body(self, rod: Rod) -> Body:
         """Return the rod's points."""
@@ -140,17 +148,6 @@ def two_layers_in_rod(spacing: float, length: float, name: str) -> str | None:
     if name != "mpm" or 1.5 * spacing <= length:
         return None
     return f"{spacing:g} mm leaves no two layers in rod.length, {length:g} mm"
-
-
-@rule("method.spacing", "rod.radius", "rod.length", "method.geometry", "method.name")
-def points_within_memory(spacing: float, radius: float, length: float, geometry: str, name: str) -> str | None:
-    if name != "mpm":
-        return None
-    points = GEOMETRIES[geometry].points(radius, length, spacing)
-    needed, there = points * BYTES_PER_POINT / 2**30, machine_memory() / 2**30
-    if needed <= there:
-        return None
-    return f"{spacing:g} mm gives {points:.1e} points, about {needed:.3g} GiB; there are {there:.3g}: take a larger one"
 
 
 @rule("method.box.x", "method.cell")

@@ -72,6 +72,7 @@ class MaterialPointMethod:
         self.grid.critical[:] = choices.cell / (signal_speed(self.sound, 0.0) + fastest)
         self.tally = np.zeros(TALLY)  # of all boundaries, since the start
         self.middle = tuple(body.position.mean(axis=0))
+        self.shortage = ""  # of memory for the grid
         self.shape: Shape = choices.shape.walled(*walls_around(boundaries, self.grid, self.middle))
         self._sort()
 
@@ -93,7 +94,11 @@ class MaterialPointMethod:
 
     def advance(self, dt: float) -> None:
         self.scheme(self, dt)
-        self._sort()
+        try:
+            self._sort()
+        except MemoryError as error:  # points fly apart; no step can be taken on the grid that is there
+            self.shortage = str(error)
+            self.grid.critical[:] = 0.0
 
     def _sort(self) -> None:
         self.grid = around_points(self.grid, self.points, self.box)
@@ -160,7 +165,7 @@ class MaterialPointMethod:
         return int(self.grid.start[-1] - self.grid.start[-2])
 
     def weakest(self) -> str:
-        return ""
+        return self.shortage
 
     def _lost(self) -> NDArray[np.uint64]:
         return self.grid.order[self.grid.start[-2] :]

@@ -7,8 +7,9 @@ from pydantic import Field
 
 from viscopoint.arrays import PRECISIONS
 from viscopoint.body import Body, reordered
-from viscopoint.inputs import Impact, MethodInput, Rod, machine_memory, one_of
+from viscopoint.inputs import Impact, MethodInput, Rod, one_of
 from viscopoint.laws import Law
+from viscopoint.memory import Need
 from viscopoint.mpm.fills import FILLS
 from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.shapes import SHAPES
@@ -21,7 +22,7 @@ from viscopoint.units import Length
 
 NODAL = ("trilinear", "gimp")  # of the shape functions those that see nothing of the body beyond its plane of nodes
 USUAL_CELL = 2.0  # spacings
-BYTES_PER_POINT = 900  # points, grid, one snapshot being written: a generous count
+BYTES_PER_POINT = 900  # with grid and one snapshot being written: a generous count
 
 
 class TotalLagrangianInput(MethodInput):
@@ -46,6 +47,10 @@ class TotalLagrangianInput(MethodInput):
 
     def completed(self, rod: Rod, impact: Impact) -> Self:
         return self
+
+    def need(self, rod: Rod) -> Need:
+        points = GEOMETRIES[self.geometry].points(rod.radius, rod.length, self.spacing)
+        return Need("method.spacing", f"{self.spacing:g} mm gives {points:.1e} points", points * BYTES_PER_POINT)
 
     def body(self, rod: Rod) -> Body:
         """Return the rod's points, and those of no volume on its surface, cell by cell as kernels visit them."""
@@ -110,14 +115,3 @@ def two_cells_in_length(spacing: float, layers: int, length: float, name: str) -
     if name != "tlmpm" or 2 * layers * spacing <= length:
         return None
     return f"{spacing:g} mm, {layers} to a cell, leaves no two cells in rod.length, {length:g} mm"
-
-
-@rule("method.spacing", "rod.radius", "rod.length", "method.geometry", "method.name")
-def points_in_memory(spacing: float, radius: float, length: float, geometry: str, name: str) -> str | None:
-    if name != "tlmpm":
-        return None
-    points = GEOMETRIES[geometry].points(radius, length, spacing)
-    needed, there = points * BYTES_PER_POINT / 2**30, machine_memory() / 2**30
-    if needed <= there:
-        return None
-    return f"{spacing:g} mm gives {points:.1e} points, about {needed:.3g} GiB; there are {there:.3g}: take a larger one"

@@ -37,8 +37,10 @@ def disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", "-l", place], check=True)
 
 
-def command(*words: str | Path) -> tuple[int, str]:
-    line = [sys.executable, "-m", "viscopoint", *map(str, words)]
+def command(*words: str | Path, limit: int | None = None) -> tuple[int, str]:
+    """Run a command, which may write no file larger than ``limit`` [bytes]."""
+    limited = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))\n" if limit else ""
+    line = [sys.executable, "-c", f"{limited}from viscopoint.cli import main\nmain()", *map(str, words)]
     done = subprocess.run(line, capture_output=True, text=True, check=False)
     return done.returncode, done.stderr
 
@@ -71,6 +73,24 @@ def test_a_run_on_a_full_disk_ends_with_a_message_and_goes_on_when_there_is_room
         assert compare_bits(whole, vp.Run(folder)).same
     else:
         assert room <= 30_000
+
+
+@pytest.mark.parametrize("limit", [1_000, 400_000, 900_000])
+def test_a_run_that_may_write_no_more_ends_with_a_message_and_goes_on_when_it_may(
+    limit: int, whole: vp.Run, tmp_path: Path
+):
+    folder = tmp_path / "run"
+    words = ("run", whole.folder / "case.toml", "--out", folder, "--no-figures", "--checkpoint-every", "1 us simulated")
+    code, messages = command(*words, limit=limit)
+    assert code == 3, messages
+    assert "File too large" in messages
+    assert "Traceback" not in messages
+    assert not list(tmp_path.glob(".*"))
+    if folder.exists():
+        assert command("resume", folder, "--no-figures") == (0, "")
+        assert compare_bits(whole, vp.Run(folder)).same
+    else:
+        assert limit == 1_000
 
 
 def test_a_folder_that_is_removed_under_a_run_ends_it_with_a_message(tmp_path: Path, whole: vp.Run):

@@ -20,7 +20,7 @@ from viscopoint.simulation import Simulation
 DENSITY, SHEAR, SHEAR_LONG = 1.0, 145.0, 5.0  # g/cm^3, MPa: about those of the paper
 TRANSITS = 4.0  # of sound along the rod: the wave comes back twice
 LONGEST = 120.0  # s; a case that takes longer hangs
-MOMENTUM = 1e-9  # of what the rod brought: rounding over some ten thousand steps
+MOMENTUM = 1e-12  # of what the rod brought: rounding over some ten thousand steps
 FINISHED, STOPPED, FAILED = "finished", "stopped", "failed"
 
 
@@ -152,7 +152,7 @@ COARSE_TO_FINE, FINEST, FINEST_SOLID = (
     50.0,
     ((1.0, 1.0, 1e9), (150.0, 100.0, 650.0), (1500.0, 1e4, 0.0)),
 )
-SHAPES = (0.2, 20.0)  # discs and needles
+SHAPES = ((0.2, 10.0), (20.0, 2.0))  # discs and needles: length over radius, cells per radius
 
 
 def violent(kind: str) -> Iterator[Hostile]:
@@ -168,8 +168,8 @@ def sized(kind: str) -> Iterator[Hostile]:
         yield Hostile(kind, *setting, cells=cells, slender=1.0 if cells > 2.0 else 3.0)
     for setting in extremes if KINDS[kind].flat else FINEST_SOLID:
         yield Hostile(kind, *setting, cells=FINEST, slender=0.2)
-    for slender, speed in product(SHAPES, SPEEDS):
-        yield Hostile(kind, speed, slender=slender)
+    for (slender, cells), speed in product(SHAPES, SPEEDS):
+        yield Hostile(kind, speed, cells=cells, slender=slender)
 
 
 def matrix() -> list[Hostile]:

@@ -92,6 +92,7 @@ class Target:
     def check(self) -> None:
         case = vp.Case.load(self.file, changes_of(self.changes), method=self.method)
         assert unseen(case.title) is None
+        assert case.method.need(case.rod).size >= 0.0
         assert vp.Case.from_tables(case.resolved().to_tables()) == case.resolved()
         with contextlib.redirect_stdout(io.StringIO()):
             console().print(case.title, markup=False)

@@ -5,6 +5,8 @@ import time as clock
 from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from viscopoint.checkpoint import Checkpoint, Keeper
 from viscopoint.guards import GuardError, check_row, check_step
 from viscopoint.interruption import Stop
@@ -53,25 +55,30 @@ class Simulation:
         """Run to the end of the case; a guard or an interruption ends it earlier, and all up to then is kept."""
         status, reason = "complete", ""
         try:
-            if not self.rows:
-                self._snapshot(self._record(0.0))
-            check_step(self.time, self.first_step, self.model.case.guards, self.model.method)
-            for instant in self._instants()[len(self.rows) - 1 :]:
-                self._snapshot(self._advance_to(instant))
+            with np.errstate(all="ignore"):  # guards tell what is not finite, once
+                self._go()
         except GuardError as error:
             status, reason = "stopped", str(error)
             self._keep_last_state()
         except KeyboardInterrupt:
             status, reason = "interrupted", f"interrupted after t = {self.time * 1e3:.4g} us"
-        return Outcome(status, reason, self.stop.asked, self.rows, self.step, self.busy, *self.errors)
+        signal = self.stop.asked if status == "interrupted" else ""  # one that came in the last step changes nothing
+        return Outcome(status, reason, signal, self.rows, self.step, self.busy, *self.errors)
+
+    def _go(self) -> None:
+        if not self.rows:
+            self._snapshot(self._record(0.0))
+        check_step(self.time, self.first_step, self.model.case.guards, self.model.method)
+        for instant in self._instants()[len(self.rows) - 1 :]:
+            self._snapshot(self._advance_to(instant))
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Go on from a checkpoint of the same model by the same version; raise ``ValueError`` if it is none."""
         progress = checkpoint.progress
         rows = [row_of(values) for values in progress.rows]
-        if [row.time for row in rows] != [0.0, *self._instants()][: len(rows)] or not (
-            rows[-1].time <= progress.time <= self.model.case.time.end
-        ):
+        instants, newest = [0.0, *self._instants()], row_of(progress.before)
+        ordered = rows[-1].time <= newest.time <= progress.time <= instants[-1]
+        if [row.time for row in rows] != instants[: len(rows)] or not ordered:
             raise ValueError("its times are not those of the case")
         self.model.method.restore(checkpoint.state)
         self.ledger.restore(progress.start, progress.before)

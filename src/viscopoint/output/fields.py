@@ -146,13 +146,20 @@ def _growing(group: Any, name: str, field: Field) -> None:
     dataset = group.create_dataset(
         name, (0, *rest), field.values.dtype, maxshape=(None, *rest), chunks=(rows, *rest), **FILTERS
     )
-    dataset.attrs["unit"] = field.unit
+    dataset.attrs["unit"] = np.bytes_(field.unit)  # text of its own length lies where no checksum is
 
 
 def _extend(dataset: Any, rows: NDArray[Any] | list[Any]) -> None:
     start = dataset.shape[0]
     dataset.resize(start + len(rows), axis=0)
     dataset[start:] = rows
+
+
+def _unit(dataset: Any) -> str:
+    """Return the unit of a dataset; empty in files of format 5, whose text HDF5 may take forever to find if damaged."""
+    if dataset.attrs.get_id("unit").get_type().is_variable_str():
+        return ""
+    return bytes(dataset.attrs["unit"]).decode("ascii")
 
 
 @contextlib.contextmanager
@@ -185,7 +192,7 @@ def read(path: Path, number: int, only: Collection[str] | None = None) -> dict[s
             values = dataset[offset : offset + counts[on]]
             if len(values) < counts[on]:
                 raise ValueError(f"{dataset.name} is cut off")
-            return Field(values, str(dataset.attrs["unit"]), on)
+            return Field(values, _unit(dataset), on)
 
         def wanted(name: str) -> bool:
             return only is None or name in only

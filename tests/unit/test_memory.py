@@ -140,7 +140,6 @@ except vp.OutputError as error:
     [
         ("tlmpm", "method.spacing=0.3 mm"),
         pytest.param(("fem", "method.size=0.3 mm"), marks=pytest.mark.long),
-        pytest.param(("mpm", "method.spacing=0.3 mm"), marks=pytest.mark.long),
     ],
 )
 def test_a_run_that_finds_no_memory_keeps_what_it_has_and_goes_on_when_there_is_some(
@@ -206,7 +205,7 @@ ROUND = "method.geometry=axisymmetric"
 ESTIMATED = [
     ("mpm", "method.spacing", "0.7 mm", "0.15 mm", "method.cell=1 mm"),
     ("mpm", "method.spacing", "0.7 mm", "0.15 mm", "method.cell=0.8 mm", "method.shape=gimp", "method.transfer=apic"),
-    ("mpm", "method.spacing", "0.2 mm", "0.15 mm", "method.cell=0.2 mm", "method.transfer=fmpm"),
+    ("mpm", "method.spacing", "0.4 mm", "0.15 mm", "method.cell=0.4 mm", "method.transfer=fmpm"),
     ("mpm", "method.spacing", "0.7 mm", "0.01 mm", "method.cell=0.8 mm", ROUND),
     ("tlmpm", "method.spacing", "0.6 mm", "0.15 mm"),
     ("tlmpm", "method.spacing", "0.6 mm", "0.01 mm", ROUND),

@@ -35,7 +35,7 @@ class Mesh(NamedTuple):
 
 MESHES = {"3d": Mesh(rod_mesh, rod_elements), "axisymmetric": Mesh(section_mesh, section_elements)}
 # of an element with nodes and one snapshot being written, and of each of its integration points: generous counts
-BYTES_PER_ELEMENT, BYTES_PER_INTEGRATION_POINT = 1400, 150
+BYTES_PER_ELEMENT, BYTES_PER_INTEGRATION_POINT = 1400, 250
 
 
 class HourglassInput(Table):

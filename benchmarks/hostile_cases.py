@@ -1,6 +1,6 @@
 """How hostile but valid cases end, by method (docs/hostile.md).
 
-    python benchmarks/hostile.py   # about an hour on two cores
+    python benchmarks/hostile_cases.py   # about an hour on two cores
 
 The matrix is that of ``tests/verification/hostile.py``.
 """

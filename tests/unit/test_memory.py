@@ -67,7 +67,7 @@ def test_elements_of_a_file_are_counted_when_they_are_read(tmp_path: Path, monke
 
 def test_memory_that_is_gone_in_spite_of_the_estimate_is_told_in_the_same_words(monkeypatch: pytest.MonkeyPatch):
     case = vp.Case.load("paper", {"method.spacing": "0.7 mm", "method.cell": "1 mm"})
-    monkeypatch.setattr(grid.memory, "free", lambda: 1e12)
+    monkeypatch.setattr(memory, "free", lambda: 1e12)
     monkeypatch.setattr("viscopoint.mpm.method.lattice", _no_memory)
     with pytest.raises(vp.InputError, match=r"method\.spacing: 0\.7 mm gives .* points: there was no memory left"):
         build(case)

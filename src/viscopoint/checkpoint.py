@@ -44,7 +44,6 @@ class Progress(BaseModel):
     time: Finite  # ms
     step: Count
     time_step: Finite  # ms
-    first_step: Annotated[Finite, Field(gt=0)]  # stable at the start, ms
     busy: Finite  # s
     errors: tuple[Finite, Finite]  # greatest so far, of energy (a share) and momentum, N ms
     start: list[Annotated[float, Field(allow_inf_nan=False)]]  # the account at the start, see ``ledger``

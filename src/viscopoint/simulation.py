@@ -51,12 +51,12 @@ class Simulation:
         self.errors = (0.0, 0.0)  # of energy and momentum
         self.first_step = model.method.stable_step()
 
+    @np.errstate(all="ignore")  # guards tell what is not finite, once
     def run(self) -> Outcome:
         """Run to the end of the case; a guard or an interruption ends it earlier, and all up to then is kept."""
         status, reason = "complete", ""
         try:
-            with np.errstate(all="ignore"):  # guards tell what is not finite, once
-                self._go()
+            self._go()
         except GuardError as error:
             status, reason = "stopped", str(error)
             self._keep_last_state()
@@ -83,7 +83,7 @@ class Simulation:
         self.model.method.restore(checkpoint.state)
         self.ledger.restore(progress.start, progress.before)
         self.time, self.step, self.time_step = progress.time, progress.step, progress.time_step
-        self.busy, self.errors, self.first_step = progress.busy, progress.errors, progress.first_step
+        self.busy, self.errors = progress.busy, progress.errors
         self.rows = rows
 
     def _checkpoint(self) -> None:
@@ -91,8 +91,7 @@ class Simulation:
             return
         self.keeper.write(
             self.model.method.state(),
-            time=self.time, step=self.step, time_step=self.time_step, first_step=self.first_step,
-            busy=self.busy, errors=self.errors,
+            time=self.time, step=self.step, time_step=self.time_step, busy=self.busy, errors=self.errors,
             start=self.ledger.start.flat(), before=list(self.ledger.before), rows=[list(row) for row in self.rows],
             marks=[writer.mark() for writer in self.writers],
         )  # fmt: skip

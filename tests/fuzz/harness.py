@@ -1,6 +1,6 @@
 """Fuzzes one kind of input, in a process of its own; ``test_fuzz`` runs this program.
 
-    python tests/fuzz/harness.py cases /tmp/scratch --inputs 20000
+    python tests/fuzz/harness.py cases scratch --inputs 20000
 
 An input is laid down in ``scratch/inside`` and given to the code that reads it. It may be taken, or refused with
 ``InputError``; all else is a defect: another exception, a wait of more than five seconds, a message that would act on a

@@ -61,7 +61,7 @@ def test_elements_of_a_file_are_counted_when_they_are_read(tmp_path: Path, monke
     pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: rod.cells}, rod.position).save(tmp_path / "rod.vtu")
     case = vp.Case.load("paper", {"method": {"name": "fem", "mesh": str(tmp_path / "rod.vtu")}})
     monkeypatch.setattr(memory, "free", lambda: 1000.0 * len(rod.cells))
-    with pytest.raises(vp.InputError, match=r"method\.mesh: .*rod\.vtu has .* elements, about .*: take one of fewer"):
+    with pytest.raises(vp.InputError, match=r"method\.mesh: .*rod\.vtu has .* elements, about .*: take a mesh"):
         build(case)
 
 
@@ -223,4 +223,4 @@ def test_estimates_are_somewhat_more_than_runs_and_resumed_runs_take(words: tupl
     done = subprocess.run(line, cwd=tmp_path, capture_output=True, text=True, check=True)
     grown, estimated = map(float, done.stdout.split())
     print(f"{' '.join(words)}: grew by {grown / GIB:.3f} GiB, estimated {estimated / GIB:.3f}")
-    assert 1.0 < estimated / grown < 2.5
+    assert 1.0 < estimated / grown < 2.5  # what is taken fits; what is refused needs two fifths of the memory at least

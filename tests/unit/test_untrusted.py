@@ -7,8 +7,9 @@ import shutil
 import struct
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import h5py
 import pytest
@@ -24,6 +25,7 @@ from viscopoint.comparison import Comparison
 from viscopoint.errors import CaseError
 from viscopoint.fem import reading
 from viscopoint.fem.rod import layers, rod_mesh
+from viscopoint.output.fields import Fields
 from viscopoint.untrusted import contents, table, toml
 from viscopoint.wording import one_line, unseen
 
@@ -163,6 +165,92 @@ def test_what_is_no_file_of_the_run_folder_is_not_opened(received: Path, name: s
         path.symlink_to({"link": outside, "circle": path, "device": "/dev/zero"}[kind])
     with pytest.raises(vp.InputError, match=name):
         _ = vp.Run(received).case, vp.Run(received).columns, vp.Run(received).snapshot(0)
+
+
+def point_elsewhere(file: Any, outside: Path) -> None:
+    del file["VTKHDF/Points"]
+    file["VTKHDF/Points"] = h5py.ExternalLink(str(outside), "VTKHDF/Points")
+
+
+def point_inside(file: Any, outside: Path) -> None:
+    del file["VTKHDF/Points"]
+    file["VTKHDF/Points"] = h5py.SoftLink("/VTKHDF/PointData/velocity")
+
+
+def keep_data_elsewhere(file: Any, outside: Path) -> None:
+    count = outside.stat().st_size // 24
+    del file["VTKHDF/Points"]
+    file["VTKHDF"].create_dataset("Points", (count, 3), float, external=[(str(outside), 0, 24 * count)])
+
+
+def make_up_of_others(file: Any, outside: Path) -> None:
+    shape = file["VTKHDF/Points"].shape
+    layout = h5py.VirtualLayout(shape, float)
+    layout[:] = h5py.VirtualSource(str(outside), "VTKHDF/Points", shape)
+    del file["VTKHDF/Points"]
+    file["VTKHDF"].create_virtual_dataset("Points", layout)
+
+
+def promise_points(file: Any, outside: Path) -> None:
+    del file["VTKHDF/Points"]
+    file["VTKHDF"].create_dataset("Points", (10**10, 3), float, maxshape=(None, 3), chunks=(1000, 3))
+
+
+def compress_in_large_parts(file: Any, outside: Path) -> None:
+    data = file["VTKHDF/Points"][()]
+    del file["VTKHDF/Points"]
+    file["VTKHDF"].create_dataset("Points", data.shape, float, maxshape=(None, 3), chunks=(10**8, 3), compression=1)
+
+
+def store_text(file: Any, outside: Path) -> None:
+    del file["VTKHDF/Points"]
+    file["VTKHDF/Points"] = ["text"] * 10
+
+
+def count_in_text(file: Any, outside: Path) -> None:
+    file["VTKHDF/Steps"].attrs["NSteps"] = "2"
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (point_elsewhere, "lies elsewhere"),
+        (point_inside, "lies elsewhere"),
+        (keep_data_elsewhere, "lies elsewhere"),
+        (make_up_of_others, "lies elsewhere"),
+        (promise_points, "holds more than can be in the file"),
+        (compress_in_large_parts, "holds more than can be in the file"),
+        (store_text, "holds no numbers"),
+        (count_in_text, "the number of snapshots is none"),
+    ],
+)
+def test_fields_of_what_is_not_in_their_file_are_refused(
+    received: Path, finished: Path, change: Callable[[Any, Path], None], words: str
+):
+    outside, path = received.parent / "outside", received / "fields.vtkhdf"
+    shutil.copy(path, outside)
+    before = outside.read_bytes()
+    with h5py.File(path, "r+") as file:
+        change(file, outside)
+    with pytest.raises(vp.InputError, match=rf"fields\.vtkhdf cannot be read \(.*{words}"):
+        vp.Run(received).snapshot(-1)
+    snapshot = vp.Run(finished).snapshot(-1)
+    with pytest.raises(ValueError, match=words):  # as on resuming, which writes
+        Fields(received, vp.Run(finished).body, 1).snapshot(snapshot.time, snapshot.fields)
+    assert outside.read_bytes() == before
+
+
+def test_fields_are_not_set_back_to_snapshots_that_they_have_not(received: Path):
+    run = vp.Run(received)
+    with pytest.raises(ValueError, match="it has not the 9 snapshots of the checkpoint"):
+        Fields(received, run.body, 9)
+    assert len(vp.Run(received).times) == len(run.times)
+
+
+def test_a_snapshot_that_does_not_fit_into_memory_is_refused(received: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("viscopoint.memory.free", lambda: 1000.0)
+    with pytest.raises(vp.InputError, match=r"the snapshot takes .* GiB, there are 9\.31e-07"):
+        vp.Run(received).snapshot(-1)
 
 
 @pytest.mark.parametrize("name", ["provenance.json", "summary.json", "case.toml", "history.csv"])

@@ -36,6 +36,7 @@ class Mesh(NamedTuple):
 MESHES = {"3d": Mesh(rod_mesh, rod_elements), "axisymmetric": Mesh(section_mesh, section_elements)}
 # of an element with nodes and one snapshot being written, and of each of its integration points: generous counts
 BYTES_PER_ELEMENT, BYTES_PER_INTEGRATION_POINT = 1400, 250
+FEWER = "take a mesh of fewer elements"
 
 
 class HourglassInput(Table):
@@ -91,14 +92,13 @@ class FEMInput(MethodInput):
 
     def need(self, rod: Rod) -> Need:
         if self.size is None:  # those of a file are counted once they are read
-            return Need("method.mesh", str(self.mesh), 0.0)
+            return Need("method.mesh", str(self.mesh), 0.0, FEWER)
         elements = MESHES[self.geometry].elements(rod.radius, rod.length, self.size, self.grading)
         return Need("method.size", f"{self.size:g} mm gives {elements:.1e} elements", self._bytes(elements))
 
     def _need_of(self, mesh: Body) -> Need:
         elements = len(mesh.cells)
-        told = f"{self.mesh} has {elements:.1e} elements"
-        return Need("method.mesh", told, self._bytes(elements), "take one of fewer")
+        return Need("method.mesh", f"{self.mesh} has {elements:.1e} elements", self._bytes(elements), FEWER)
 
     def _bytes(self, elements: int) -> float:
         return float(elements) * (BYTES_PER_ELEMENT + self._element().points * BYTES_PER_INTEGRATION_POINT)

@@ -5,23 +5,25 @@ half section; material points as vertices. The cells are stored once; positions 
 as a whole or not at all (``transaction``), with a checksum of every piece, so that damage is found and not shown.
 """
 
-import contextlib
 import errno
+import math
 import os
 import shutil
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+from h5py import h5t
 from numpy.typing import NDArray
 
+from viscopoint import memory
 from viscopoint.arrays import Indices
 from viscopoint.body import Body
+from viscopoint.hdf5 import changed, opened
 from viscopoint.method import Field
 from viscopoint.output import offer
-from viscopoint.transaction import change, reading
 
 NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
@@ -29,7 +31,6 @@ KINDS = {1: 1, 4: 9, 8: 12}  # VTK's cell types by the number of corners: vertex
 DATA = {"points": "PointData", "cells": "CellData"}
 CHUNK = 16_384  # greatest number of rows compressed together
 RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
-LAYOUT = ("v110", "v110")  # of HDF5: the first with checksums of all that is not data
 FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 
 
@@ -42,7 +43,7 @@ class Fields:
         if mark is None:
             self.path.unlink(missing_ok=True)
         else:
-            with _changed(self.path) as file:
+            with changed(self.path) as file:
                 _rewind(file["VTKHDF"], mark)
 
     def row(self, row: Any) -> None:
@@ -50,7 +51,7 @@ class Fields:
 
     def snapshot(self, time: float, fields: Mapping[str, Field]) -> None:
         _ensure_space(self.path.parent, sum(field.values.nbytes for field in fields.values()))
-        with _changed(self.path) as file:
+        with changed(self.path) as file:
             if "VTKHDF" not in file:
                 _begin(file, fields, self.cells)
             _append(file["VTKHDF"], time, fields)
@@ -105,7 +106,7 @@ def _append(root: Any, time: float, fields: Mapping[str, Field]) -> None:
     """Add a snapshot: first its data, then where it lies, at last that it is there."""
     steps = root["Steps"]
     before = root["Points"].shape[0]
-    count = int(steps.attrs["NSteps"])
+    count = _count(steps)
     for name, field in fields.items():
         data = root if name == "position" else root[DATA[field.on]]
         _extend(data["Points" if name == "position" else name], field.values)
@@ -122,6 +123,8 @@ def _append(root: Any, time: float, fields: Mapping[str, Field]) -> None:
 def _rewind(root: Any, count: int) -> None:
     """Forget all snapshots after the first ``count``."""
     steps = root["Steps"]
+    if count > _count(steps):
+        raise ValueError(f"it has not the {count} snapshots of the checkpoint")
     sizes = {"PointData": count * int(root["NumberOfPoints"][0]), "CellData": count * int(root["NumberOfCells"][0])}
     root["Points"].resize(sizes["PointData"], axis=0)
     for group, size in sizes.items():
@@ -146,7 +149,7 @@ def _growing(group: Any, name: str, field: Field) -> None:
     dataset = group.create_dataset(
         name, (0, *rest), field.values.dtype, maxshape=(None, *rest), chunks=(rows, *rest), **FILTERS
     )
-    dataset.attrs["unit"] = np.bytes_(field.unit)  # text of its own length lies where no checksum is
+    dataset.attrs["unit"] = np.bytes_(field.unit)  # of fixed length: other text lies where HDF5 has no checksums
 
 
 def _extend(dataset: Any, rows: NDArray[Any] | list[Any]) -> None:
@@ -156,53 +159,55 @@ def _extend(dataset: Any, rows: NDArray[Any] | list[Any]) -> None:
 
 
 def _unit(dataset: Any) -> str:
-    """Return the unit of a dataset; empty in files of format 5, whose text HDF5 may take forever to find if damaged."""
+    """Return the unit of a dataset; empty in files of format 5, where HDF5 may seek it forever if it is damaged."""
     if dataset.attrs.get_id("unit").get_type().is_variable_str():
         return ""
     return bytes(dataset.attrs["unit"]).decode("ascii")
 
 
-@contextlib.contextmanager
-def _changed(path: Path) -> Iterator[Any]:
-    """Open the file to change it; h5py's types say of no name in it whether it is a group or a dataset."""
-    with change(path) as overlay, h5py.File(overlay, "r+" if overlay.size else "w", libver=LAYOUT) as file:
-        yield file
-
-
-@contextlib.contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    with reading(path) as raw, h5py.File(raw, "r") as file:
-        yield file
+def _count(steps: Any) -> int:
+    """Return how many snapshots there are."""
+    if steps.attrs.get_id("NSteps").get_type().get_class() != h5t.INTEGER:
+        raise ValueError("the number of snapshots is none")
+    return int(steps.attrs["NSteps"])
 
 
 def times(path: Path) -> NDArray[np.float64]:
     """Return the times of the snapshots in a file [ms]."""
-    with _opened(path) as file:
+    with opened(path) as file:
         steps = file["VTKHDF/Steps"]
-        return steps["Values"][: int(steps.attrs["NSteps"])]
+        return steps["Values"][: _count(steps)]
 
 
 def read(path: Path, number: int, only: Collection[str] | None = None) -> dict[str, Field]:
     """Return all fields of a snapshot, by its number, or ``only`` some, as far as they are there."""
-    with _opened(path) as file:
+    with opened(path) as file:
         root = file["VTKHDF"]
         counts = {"points": int(root["NumberOfPoints"][0]), "cells": int(root["NumberOfCells"][0])}
-
-        def rows(dataset: Any, offset: int, on: Any) -> Field:
-            values = dataset[offset : offset + counts[on]]
-            if len(values) < counts[on]:
-                raise ValueError(f"{dataset.name} is cut off")
-            return Field(values, _unit(dataset), on)
-
-        def wanted(name: str) -> bool:
-            return only is None or name in only
-
-        fields = {}
-        if wanted("position"):
-            fields["position"] = rows(root["Points"], int(root["Steps/PointOffsets"][number]), "points")
+        places = {"position": (root["Points"], int(root["Steps/PointOffsets"][number]), "points")}
         for on, group in DATA.items():
             offsets = root[f"Steps/{group}Offsets"]
-            fields |= {
-                name: rows(data, int(offsets[name][number]), on) for name, data in root[group].items() if wanted(name)
-            }
-        return fields
+            places |= {name: (dataset, int(offsets[name][number]), on) for name, dataset in root[group].items()}
+        if only is not None:
+            places = {name: place for name, place in places.items() if name in only}
+        _ensure_memory(min(len(dataset), counts[on]) * _row(dataset) for dataset, _, on in places.values())
+        return {name: _rows(dataset, offset, counts[on], on) for name, (dataset, offset, on) in places.items()}
+
+
+def _rows(dataset: Any, offset: int, count: int, on: Any) -> Field:
+    values = dataset[offset : offset + count]
+    if len(values) < count:
+        raise ValueError(f"{dataset.name} is cut off")
+    return Field(values, _unit(dataset), on)
+
+
+def _row(dataset: Any) -> int:
+    """Return what a row of a dataset takes [bytes]."""
+    return math.prod(dataset.shape[1:]) * dataset.dtype.itemsize
+
+
+def _ensure_memory(sizes: Iterable[int]) -> None:
+    """Raise ``ValueError`` where fields of these sizes [bytes] would not fit."""
+    size, there = sum(sizes), memory.free()
+    if size > there:
+        raise ValueError(f"the snapshot takes {size / 2**30:.3g} GiB, there are {there / 2**30:.3g}")

@@ -273,7 +273,9 @@ def killed_at_random(
             found["nothing yet"] += 1
             word = ("run", file, "--out", place)
         else:
-            found["complete before" if vp.Run(place).status == "complete" else "resumed"] += 1
+            late = vp.Run(place).status == "complete"
+            found["complete before" if late else "resumed"] += 1
+            duration *= 0.9 if late else 1.0  # the machine has become faster
             word = ("resume", place)
         process = command(*word, "--no-figures")
         assert process.communicate()[1] == ""

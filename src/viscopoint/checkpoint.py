@@ -8,7 +8,7 @@ import contextlib
 import hashlib
 import shutil
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -19,7 +19,7 @@ from safetensors.numpy import save_file
 
 from viscopoint.arrays import Rows
 from viscopoint.errors import InputError
-from viscopoint.folder import sync, whole
+from viscopoint.folder import Held, sync, whole
 from viscopoint.units import parse
 
 FOLDER = "checkpoints"
@@ -30,7 +30,8 @@ STEPS = "critical"  # of the state, what is infinite where there is nothing
 NEVER, SIMULATED = "never", "simulated"
 
 
-Finite = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[Number, Field(ge=0)]
 Count = Annotated[int, Field(ge=0, lt=2**62)]
 
 
@@ -40,15 +41,15 @@ class Progress(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", ser_json_inf_nan="constants")
 
     sources: str  # what computed it
-    case: str  # hash of the run folder's case file
-    time: Finite  # ms
+    case: str  # hash of the run folder's case file and mesh
+    time: Positive  # ms
     step: Count
-    time_step: Finite  # ms
-    busy: Finite  # s
-    errors: tuple[Finite, Finite]  # greatest so far, of energy (a share) and momentum, N ms
-    start: list[Annotated[float, Field(allow_inf_nan=False)]]  # the account at the start, see ``ledger``
-    before: list[float]
-    rows: Annotated[list[list[float]], Field(min_length=1)]  # at the snapshots
+    time_step: Positive  # ms
+    busy: Positive  # s
+    errors: tuple[Positive, Positive]  # greatest so far, of energy (a share) and momentum, N ms
+    start: list[Number]  # the account at the start, see ``ledger``
+    before: list[Number]
+    rows: Annotated[list[list[Number]], Field(min_length=1)]  # at the snapshots
     marks: list[Count]  # of the outputs
 
 
@@ -87,8 +88,8 @@ class Every(NamedTuple):
 class Keeper:
     """Writes the checkpoints of a run when they are due."""
 
-    def __init__(self, folder: Path, every: Every, sources: str, case: str) -> None:
-        self.folder, self.every = folder / FOLDER, every
+    def __init__(self, held: Held, every: Every, sources: str, case: str) -> None:
+        self.held, self.every = held, every
         self.sources, self.case = sources, case
         self.written = clock.monotonic(), 0.0  # when the last one was, on the clock and in the run
 
@@ -98,9 +99,10 @@ class Keeper:
 
     def write(self, state: Mapping[str, Rows], **progress: Any) -> None:
         """Write a checkpoint and forget all but the last two; ``progress`` has the fields of ``Progress``."""
+        self.held.check()
         words = Progress(sources=self.sources, case=self.case, **progress)
-        save(self.folder / f"{words.step:09d}.safetensors", words, state)
-        for old in _newest_first(self.folder)[KEPT:]:
+        save(_file(self.held.folder, words.step), words, state)
+        for old in _newest_first(self.held.folder)[KEPT:]:
             old.unlink()
         self.written = clock.monotonic(), words.time
 
@@ -148,7 +150,7 @@ def load(file: Path, like: Mapping[str, Rows]) -> Checkpoint:
 def newest(folder: Path, like: Mapping[str, Rows]) -> tuple[Checkpoint | None, list[str]]:
     """Return a run folder's last sound checkpoint, and what is wrong with those after it."""
     faults: list[str] = []
-    for file in _newest_first(folder / FOLDER):
+    for file in _newest_first(folder):
         try:
             return load(file, like), faults
         except ValueError as error:
@@ -162,13 +164,29 @@ def remove(folder: Path) -> None:
         shutil.rmtree(folder / FOLDER)
 
 
-def hashed(file: Path) -> str:
-    """Return the hash of a file, by which a checkpoint knows its case."""
-    return hashlib.sha256(file.read_bytes()).hexdigest()
+def remove_after(folder: Path, step: int) -> None:
+    """Remove a run folder's checkpoints of later steps, which are damaged."""
+    for file in _newest_first(folder):
+        if file.name > _file(folder, step).name:
+            file.unlink()
+
+
+def hashed(files: Iterable[Path]) -> str:
+    """Return the hash of what is in some files, by which a run knows its case."""
+    total = hashlib.sha256()
+    for file in files:
+        with file.open("rb") as opened:
+            total.update(hashlib.file_digest(opened, "sha256").digest())
+    return total.hexdigest()
+
+
+def _file(folder: Path, step: int) -> Path:
+    return folder / FOLDER / f"{step:09d}.safetensors"
 
 
 def _newest_first(folder: Path) -> list[Path]:
-    return sorted(folder.glob("*.safetensors"), key=lambda file: file.name, reverse=True)
+    """Return a run folder's checkpoints; there may be other files beside them."""
+    return sorted((folder / FOLDER).glob(f"{9 * '[0-9]'}.safetensors"), reverse=True)
 
 
 def _checksum(text: str, state: Mapping[str, Rows]) -> str:

@@ -1,7 +1,10 @@
 """The command line: thin, and quick to answer."""
 
 import contextlib
+import errno
 import gc
+import io
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -114,7 +117,7 @@ def resume(
 @app.command()
 def verify(run: RunFolder, threads: Threads = None) -> None:
     """Run the case of a finished run again and compare the results bit by bit."""
-    with _messages(), interruption.ending_at_once():
+    with _messages():
         from viscopoint import terminal
         from viscopoint.verify import verify as verify_run
 
@@ -279,13 +282,16 @@ def schema() -> None:
 def main() -> None:
     """Run the command line."""
     gc.set_threshold(100_000)  # hardly anything that imports and figures make is garbage: looking takes 0.2 s
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # what a narrow terminal cannot show
     app()
 
 
 @contextlib.contextmanager
 def _messages() -> Any:
     """Turn our errors into one message and an exit code."""
-    from viscopoint.errors import ViscopointError
+    from viscopoint.errors import OutputError, ViscopointError
 
     try:
         with interruption.raising():
@@ -293,6 +299,14 @@ def _messages() -> Any:
     except ViscopointError as error:
         typer.echo(f"viscopoint: {error}", err=True)
         raise typer.Exit(error.exit_code) from None
+    except MemoryError as error:
+        typer.echo(f"viscopoint: memory ran out ({one_line(str(error)) or 'no more is told'})", err=True)
+        raise typer.Exit(OutputError.exit_code) from None
+    except OSError as error:
+        if error.errno == errno.EPIPE:  # who reads has had enough
+            raise
+        typer.echo(f"viscopoint: {one_line(str(error))}", err=True)
+        raise typer.Exit(OutputError.exit_code) from None
     except KeyboardInterrupt as error:
         typer.echo("viscopoint: interrupted", err=True)
         name = "SIGTERM" if isinstance(error, interruption.Terminated) else "SIGINT"

@@ -1,6 +1,7 @@
 """Folders of results: made, filled, and never half replaced."""
 
 import contextlib
+import errno
 import json
 import os
 import secrets
@@ -8,7 +9,7 @@ import shutil
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 from filelock import FileLock, Timeout
 
@@ -27,6 +28,8 @@ def check_free(folder: Path, force: bool, mark: str = PROVENANCE, needed: Iterab
     results if it holds the file ``mark``, that of a run by default.
     """
     with _place_faults(folder):
+        if folder.exists() and folder.samefile(Path.cwd()):
+            raise InputError(f"output folder {folder}: the one you are in, which cannot be made; choose another place")
         if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
             return
         if not (folder / mark).is_file():
@@ -61,34 +64,52 @@ def new(folder: Path, force: bool, needed: Iterable[Path] = ()) -> Iterator[Path
         InputError: there is something already, or the place cannot be written, or others are at work there.
     """
     check_free(folder, force, needed=needed)
-    part = folder.parent / f".{secrets.token_hex(TOKEN)}.part"
     with _place_faults(folder):
+        place = folder.resolve()  # a link stays, and leads to what is new
+        part = place.parent / f".{secrets.token_hex(TOKEN)}.part"
         part.mkdir(parents=True)
-        _clear_remains(part.parent)
+        _clear_remains(place.parent)
     try:
         yield part
-        with _place_faults(folder), contextlib.ExitStack() as stack:
+        with _place_faults(folder):
             sync_folder(part)
-            if folder.is_dir() and any(folder.iterdir()):
-                stack.enter_context(alone(folder))
-                check_free(folder, force, needed=needed)
-                old = part.with_suffix(".old")
-                folder.rename(old)
-                stack.callback(shutil.rmtree, old, ignore_errors=True)
-            part.rename(folder)
-            sync_folder(folder.parent)
+            if place.is_dir() and any(place.iterdir()):
+                with alone(place):
+                    check_free(folder, force, needed=needed)
+                    _replace(place, part)
+            else:
+                part.rename(place)
+            sync_folder(place.parent)
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
 
 
+def _replace(place: Path, part: Path) -> None:
+    """Put a folder in the place of another, which is removed once that has happened."""
+    old = place.with_name(f".{place.name}{part.stem}.old")
+    os.utime(place)  # for ``_clear_remains``: it is not long ago
+    place.rename(old)
+    try:
+        part.rename(place)
+    except BaseException:
+        old.rename(place)
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
 def _clear_remains(parent: Path) -> None:
-    """Remove what processes that were killed left of folders they were making or replacing."""
-    for kind in (".part", ".old"):
-        for folder in parent.glob(f".{2 * TOKEN * '[0-9a-f]'}{kind}"):
-            with contextlib.suppress(OSError):
-                if folder.is_dir() and time.time() - folder.stat().st_mtime > LONG_AGO:
-                    shutil.rmtree(folder)
+    """Put away what processes that were killed left of folders they were making or replacing."""
+    token = 2 * TOKEN * "[0-9a-f]"
+    for remains in (*parent.glob(f".{token}.part"), *parent.glob(f".*.{token}.old")):
+        with contextlib.suppress(OSError):
+            if not remains.is_dir() or time.time() - remains.stat().st_mtime < LONG_AGO:
+                continue
+            place = parent / remains.stem[1 : -(2 * TOKEN + 1)]  # of what was being replaced
+            if remains.suffix == ".old" and not place.exists():
+                remains.rename(place)
+            else:
+                shutil.rmtree(remains)
 
 
 def make(folder: Path, mark: str) -> None:
@@ -133,19 +154,37 @@ def is_file(path: Path) -> bool:
         return False
 
 
+class Held(NamedTuple):
+    """A folder that this process has for itself, as long as it is in its place."""
+
+    folder: Path
+    status: os.stat_result
+
+    def check(self) -> None:
+        """Raise ``OSError`` if the folder is there no more, or another in its place."""
+        if not os.path.samestat(self.folder.stat(), self.status):
+            raise OSError(errno.ESTALE, "the folder was moved, another one is in its place")
+
+
 @contextlib.contextmanager
-def alone(folder: Path) -> Iterator[None]:
-    """Keep a folder to this process; raise ``InputError`` if another is at work there."""
+def alone(folder: Path, made: os.stat_result | None = None) -> Iterator[Held]:
+    """Keep a folder to this process; it is the one that was ``made``, if that is given.
+
+    Raises:
+        InputError: another process is at work there, or has put another folder into its place.
+    """
+    busy = InputError(f"output folder {folder}: another process is at work there; wait, or take another")
     with _place_faults(folder):
+        held = Held(folder, made or folder.stat())
         lock = FileLock(folder / ".lock")
         try:
             lock.acquire(timeout=0)
         except Timeout:
-            raise InputError(
-                f"output folder {folder}: another process is at work there; wait, or take another"
-            ) from None
+            raise busy from None
     try:
-        yield
+        if not os.path.samestat(folder.stat(), held.status):
+            raise busy
+        yield held
     finally:
         lock.release()
 

@@ -6,11 +6,10 @@ A signal that is ignored when the process starts stays so: shells begin thus wha
 import contextlib
 import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 SHOW_CURSOR = "\x1b[?25h"  # which a progress bar hides
@@ -24,7 +23,7 @@ class Stop:
     def obey(self) -> None:
         """Raise what the signal would have raised, if there was one."""
         if self.asked:
-            raise Terminated if self.asked == "SIGTERM" else KeyboardInterrupt
+            raise_for(self.asked)
 
 
 @contextlib.contextmanager
@@ -50,6 +49,11 @@ def noted(tell: Callable[[str], None] | None = None) -> Iterator[Stop]:
         _put_back(before)
 
 
+def raise_for(name: str) -> NoReturn:
+    """Raise what a signal such as "SIGINT" raises."""
+    raise Terminated if name == "SIGTERM" else KeyboardInterrupt
+
+
 class Terminated(KeyboardInterrupt):
     """The system asked the process to end."""
 
@@ -73,8 +77,8 @@ def ending_at_once() -> Iterator[None]:
     """Let a signal end the process there and then: whatever we write is whole or not there at every instant."""
 
     def end(number: int, frame: FrameType | None) -> None:
-        if sys.stderr.isatty():
-            sys.stderr.write(SHOW_CURSOR)
+        if os.isatty(2):
+            os.write(2, SHOW_CURSOR.encode())
         os.write(2, b"viscopoint: interrupted\n")
         os._exit(128 + number)
 

@@ -11,6 +11,7 @@ from typing import Any
 import numba
 
 from viscopoint.sources import digest
+from viscopoint.wording import one_line
 
 # of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums
 FORMAT, READABLE = 6, (5, 6)
@@ -19,6 +20,7 @@ PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 
 def provenance() -> dict[str, Any]:
     """Return what a run folder records about its making, at the start of a run."""
+    words = [Path(sys.argv[0]).name, *sys.argv[1:]] if sys.argv and sys.argv[0] else []
     return {
         "format": FORMAT,
         "viscopoint": metadata.version("viscopoint"),
@@ -30,7 +32,7 @@ def provenance() -> dict[str, Any]:
         "machine": platform.machine(),
         "processor": _processor(),
         "threads": numba.get_num_threads(),
-        "command": [Path(sys.argv[0]).name, *sys.argv[1:]] if sys.argv and sys.argv[0] else [],
+        "command": [one_line(word) for word in words],
         "started": now(),
         "ended": None,
         "resumed": [],

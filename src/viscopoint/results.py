@@ -29,7 +29,10 @@ from viscopoint.untrusted import contents, kept, table
 if TYPE_CHECKING:
     import pandas
 
-CORRUPT = (OSError, KeyError, IndexError, TypeError, ValueError, RuntimeError)  # what h5py raises on damaged files
+# what h5py raises on damaged files
+CORRUPT = (
+    OSError, LookupError, TypeError, ValueError, RuntimeError, AttributeError, OverflowError, MemoryError,
+)  # fmt: skip
 LARGEST_PROVENANCE, LARGEST_SUMMARY, LARGEST_HISTORY = 1_000_000, 16_000_000, 4_000_000_000  # bytes
 LARGEST_FIELDS = 2**50  # bytes; of these, what is asked for is read alone
 ALWAYS = ("position", "displacement", "velocity", "lost", "stress", "pressure", "von_mises")  # fields of any method
@@ -56,6 +59,7 @@ class Origin(BaseModel):
     viscopoint: str | None = None
     commit: str | None = None
     sources: str | None = None
+    case: str | None = None
     ended: str | None = None
     resumed: list[str] = []
 

@@ -6,16 +6,28 @@ import weakref
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from viscopoint import checkpoint
 from viscopoint.case import Case
 from viscopoint.checkpoint import Checkpoint, Every, Keeper
 from viscopoint.errors import InputError
-from viscopoint.folder import CASE, PROVENANCE, SUMMARY, alone, check_free, disk_faults, new, write_json, write_text
+from viscopoint.folder import (
+    CASE,
+    PROVENANCE,
+    SUMMARY,
+    Held,
+    alone,
+    check_free,
+    disk_faults,
+    new,
+    write_json,
+    write_text,
+)
 from viscopoint.interruption import noted
+from viscopoint.ledger import Row
 from viscopoint.model import Model, build
-from viscopoint.output import WRITERS, Writer
+from viscopoint.output import WRITERS, Mark, Writer
 from viscopoint.provenance import now, provenance
 from viscopoint.results import CORRUPT, Run
 from viscopoint.simulation import Simulation, Watch
@@ -72,14 +84,20 @@ def run(
     _bound_steps(model)
     temporary = Path(mkdtemp(prefix="viscopoint-")) if out is None else None
     folder = temporary / "run" if temporary else Path(out or "")
-    with disk_faults(folder), new(folder, force, case.method.files()) as fresh:
-        write_json(fresh / PROVENANCE, provenance())
-        _write_summary(fresh, Summary.of_start(model.body))
-        kept = case.resolved()
-        kept = kept.model_copy(update={"method": kept.method.kept_in(fresh)})
-        write_text(fresh / CASE, kept.to_toml())
-    with alone(folder):
-        result = _compute(folder, model, every, None, company)
+    try:
+        with disk_faults(folder), new(folder, force, case.method.files()) as fresh:
+            kept = case.resolved()
+            kept = kept.model_copy(update={"method": kept.method.kept_in(fresh)})
+            write_text(fresh / CASE, kept.to_toml())
+            write_json(fresh / PROVENANCE, provenance() | {"case": _hashed(fresh, kept)})
+            _write_summary(fresh, Summary.of_start(model.body))
+            made = fresh.stat()
+        with alone(folder, made) as held:
+            result = _compute(held, model, every, None, company)
+    except BaseException:
+        if temporary:
+            shutil.rmtree(temporary, ignore_errors=True)
+        raise
     if temporary:
         weakref.finalize(result, shutil.rmtree, temporary, ignore_errors=True)
     return result
@@ -106,15 +124,16 @@ def resume(
         tell: called with words for what begins, before anything that may take long.
 
     Raises:
-        InputError: the folder holds no run, or one by other sources than these, or another process is at work there,
-            or its checkpoints are damaged.
+        InputError: the folder holds no run, or one by other sources than these or of what was another case, or another
+            process is at work there, or its checkpoints are damaged. Nothing was changed.
         OutputError: the results could not be written.
     """
     folder = Path(folder)
     every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
+    Run(folder)
     _check_own(folder)
-    earlier = Run(folder)
-    with alone(folder):
+    with alone(folder) as held:
+        earlier = Run(folder)
         if earlier.status in ("complete", "stopped"):
             with disk_faults(folder):
                 return _finished(earlier, company)
@@ -123,39 +142,64 @@ def resume(
                 f"run folder {folder}: begun by other sources ({earlier.provenance.get('sources')}) than these "
                 f"({digest()}), which would not give the same results; run {folder / CASE} anew"
             )
+        if earlier.provenance.get("case") != _hashed(folder, earlier.case):
+            raise InputError(
+                f"run folder {folder}: its {CASE}, or the mesh that it names, is not what it was at the start"
+            )
         company.tell("building the model")
         model = build(earlier.case)
+        _bound_steps(model)
         found, faults = checkpoint.newest(folder, model.method.state())
         if faults and found is None:
             raise InputError(
                 f"run folder {folder}: no checkpoint can be read ({'; '.join(faults)}); remove "
                 f"{folder / checkpoint.FOLDER} to begin from the start"
             )
-        if found and (found.progress.case, found.progress.sources) != (checkpoint.hashed(folder / CASE), digest()):
+        if found and (found.progress.case, found.progress.sources) != (earlier.provenance["case"], digest()):
             raise InputError(f"run folder {folder}: its checkpoint is not of its {CASE} or of these sources")
         for fault in faults:
             company.tell(f"checkpoint {fault}: taking the one before")
-        with disk_faults(folder):
-            write_json(
-                folder / PROVENANCE,
-                earlier.provenance | {"ended": None, "resumed": [*earlier.provenance.get("resumed", []), now()]},
-            )
-            _write_summary(folder, Summary.of_start(model.body))
-        return _compute(folder, model, every, found, company)
+        resumed = [*earlier.provenance.get("resumed", []), now()]
+        return _compute(held, model, every, found, company, {"ended": None, "resumed": resumed})
 
 
-def _compute(folder: Path, model: Model, every: Every, found: Checkpoint | None, company: Company) -> Run:
-    """Let a model run to its end, writing into its folder, from a checkpoint if there is one."""
-    with disk_faults(folder, f"; once there is room, `viscopoint resume {folder}` goes on"):
+def _compute(
+    held: Held,
+    model: Model,
+    every: Every,
+    found: Checkpoint | None,
+    company: Company,
+    news: dict[str, Any] | None = None,
+) -> Run:
+    """Let a model run to its end, writing into its folder, from a checkpoint if there is one.
+
+    Nothing is written before all that is there was found to go with the checkpoint; ``news`` are of the provenance.
+    """
+    folder = held.folder
+
+    def watch(share: float, row: Row) -> None:
+        held.check()
+        if company.watch:
+            company.watch(share, row)
+
+    with disk_faults(folder, f"; once that is mended, `viscopoint resume {folder}` goes on"):
+        begun = Run(folder).provenance
         with contextlib.ExitStack() as stack:
             writers = [stack.enter_context(contextlib.closing(writer)) for writer in _writers(folder, model, found)]
-            keeper = Keeper(folder, every, digest(), checkpoint.hashed(folder / CASE))
+            keeper = Keeper(held, every, digest(), begun["case"])
             company.tell("going on" if found else "starting; the first time this compiles")
             stop = stack.enter_context(noted(company.tell))
-            simulation = Simulation(model, writers, company.watch, keeper, stop)
+            simulation = Simulation(model, writers, watch, keeper, stop)
             if found:
                 _go_on(simulation, found, folder)
+                checkpoint.remove_after(folder, found.progress.step)
+            if news:
+                write_json(folder / PROVENANCE, begun | news)
+                _write_summary(folder, Summary.of_start(model.body))
+            for writer in writers:
+                writer.begin()
             outcome = simulation.run()
+        held.check()
         start = simulation.ledger.start.kinetic
         _write_summary(folder, Summary.of_start(model.body).ended(outcome, start))
         result = Run(folder)
@@ -169,9 +213,10 @@ def _writers(folder: Path, model: Model, found: Checkpoint | None) -> list[Write
     if found is None:
         return [make(folder, model.body, None) for make in WRITERS]
     try:
-        return [make(folder, model.body, mark) for make, mark in zip(WRITERS, found.progress.marks, strict=True)]
+        places, snapshots = found.progress.marks, len(found.progress.rows)
+        return [make(folder, model.body, Mark(place, snapshots)) for make, place in zip(WRITERS, places, strict=True)]
     except CORRUPT as error:
-        if isinstance(error, OSError) and error.errno:
+        if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno):
             raise
         raise InputError(f"run folder {folder}: what it holds does not go with its checkpoint ({error})") from None
 
@@ -180,7 +225,7 @@ def _go_on(simulation: Simulation, found: Checkpoint, folder: Path) -> None:
     try:
         simulation.resume(found)
         found.state.clear()  # the method has it now
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, OverflowError) as error:
         raise InputError(f"run folder {folder}: its checkpoint is not of its {CASE} ({error})") from None
 
 
@@ -209,6 +254,11 @@ def _keep_silent(words: str) -> None:
 
 def _write_summary(folder: Path, results: Summary) -> None:
     write_json(folder / SUMMARY, results.model_dump(by_alias=True))
+
+
+def _hashed(folder: Path, case: Case) -> str:
+    """Return the hash of a run folder's case and of the files that it names, which are in the folder too."""
+    return checkpoint.hashed([folder / CASE, *(folder / file for file in case.method.files())])
 
 
 def _bound_steps(model: Model) -> None:

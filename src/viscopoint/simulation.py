@@ -80,6 +80,8 @@ class Simulation:
         ordered = rows[-1].time <= newest.time <= progress.time <= instants[-1]
         if [row.time for row in rows] != instants[: len(rows)] or not ordered:
             raise ValueError("its times are not those of the case")
+        if not np.allclose(progress.start, self.ledger.start.flat(), rtol=1e-9):
+            raise ValueError("it does not begin as the case does")
         self.model.method.restore(checkpoint.state)
         self.ledger.restore(progress.start, progress.before)
         self.time, self.step, self.time_step = progress.time, progress.step, progress.time_step

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viscopoint.errors import InputError
+from viscopoint.interruption import raise_for
 from viscopoint.results import Run
 from viscopoint.running import Tell, run
 from viscopoint.simulation import Watch
@@ -54,11 +55,15 @@ def verify(folder: str | Path, *, watch: Watch | None = None, tell: Tell | None 
 
     Raises:
         InputError: the folder holds no finished run.
+        KeyboardInterrupt: somebody wants to end it.
     """
     earlier = Run(folder)
     if earlier.status not in ("complete", "stopped"):
         raise InputError(f"run folder {folder}: not finished ({earlier.status}), so there is nothing to compare with")
-    return compare_bits(earlier, run(earlier.case, figures=False, checkpoint_every="never", watch=watch, tell=tell))
+    again = run(earlier.case, figures=False, checkpoint_every="never", watch=watch, tell=tell)
+    if again.status == "interrupted":
+        raise_for(again.results.signal)
+    return compare_bits(earlier, again)
 
 
 def compare_bits(one: Run, other: Run) -> Verdict:
@@ -100,6 +105,11 @@ def _difference(place: str, before: NDArray[Any], now: NDArray[Any]) -> Differen
         return None
     if before.dtype.kind not in "fiu":
         return Difference(place, int((before != now).sum()), np.inf)
-    unlike = (before != now) & ~(np.isnan(before) & np.isnan(now))
-    apart = np.abs(before.astype(float) - now.astype(float))
-    return Difference(place, int(unlike.sum()), float(np.nanmax(apart))) if unlike.any() else None
+    unlike = (_bytes(before) != _bytes(now)).any(axis=-1)
+    apart = np.abs(before.astype(float) - now.astype(float))[unlike.reshape(before.shape)]
+    return Difference(place, int(unlike.sum()), float(np.nan_to_num(apart, nan=np.inf).max()))
+
+
+def _bytes(values: NDArray[Any]) -> NDArray[np.uint8]:
+    """Return the bytes of each number, a row each."""
+    return np.ascontiguousarray(values).reshape(-1, 1).view(np.uint8)

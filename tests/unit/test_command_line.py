@@ -1,14 +1,19 @@
+import contextlib
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
+import viscopoint as vp
 from viscopoint.case import Case
 from viscopoint.cli import app
 from viscopoint.fem.inputs import FEMInput
@@ -234,3 +239,87 @@ def test_ctrl_c_ends_with_code_130_and_keeps_what_was_computed(tmp_path: Path):
     assert summary["status"] == "interrupted"
     written = len(history.read_text().splitlines()) - 2  # without the header and the start
     assert written in (summary["steps"] - 1, summary["steps"])  # Ctrl-C may come between a step and its row
+
+
+def process(*words: str | Path, **settings: Any) -> subprocess.CompletedProcess[str]:
+    """Run the command line in a process of its own."""
+    line = [sys.executable, "-m", "viscopoint", *map(str, words)]
+    return subprocess.run(line, stderr=subprocess.PIPE, text=True, check=False, **settings)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+@pytest.mark.parametrize("words", [("show",), ("schema",)])
+def test_words_that_cannot_be_written_give_code_3(finished: Path, words: tuple[str, ...]):
+    with Path("/dev/full").open("w") as full:
+        done = process(*words, *([finished] if words == ("show",) else []), stdout=full)
+    assert (done.returncode, done.stderr) == (3, "viscopoint: [Errno 28] No space left on device\n")
+
+
+def test_a_reader_who_has_had_enough_is_no_fault(finished: Path):
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "w") as pipe:
+        done = process("show", finished, stdout=pipe)
+    assert "Traceback" not in done.stderr
+
+
+def test_a_terminal_of_few_characters_shows_the_others_as_escapes(finished: Path, tmp_path: Path):
+    folder = shutil.copytree(finished, tmp_path / "run")
+    text = vp.Case.load(folder / "case.toml", {"title": "\u03b2 rod"}).to_toml()
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    done = process("show", folder, stdout=subprocess.PIPE, env=os.environ | {"PYTHONIOENCODING": "ascii"})
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "\\u03b2 rod" in done.stdout
+
+
+def test_a_folder_whose_name_is_no_text_is_as_good_as_any(tmp_path: Path):
+    words = [sys.executable, "-m", "viscopoint", "run", "paper", *QUICK, "--no-figures", "--out"]
+    done = subprocess.run([*map(os.fsencode, words), os.fsencode(tmp_path) + b"/h\xff"], capture_output=True)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_the_folder_one_is_in_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    code, _, messages = call("run", "paper", "--out", ".", *QUICK)
+    assert (code, "the one you are in" in messages) == (2, True)
+    assert not list(tmp_path.iterdir())
+
+
+def test_memory_that_runs_out_anywhere_gives_code_3(monkeypatch: pytest.MonkeyPatch):
+    def scarce() -> None:
+        raise MemoryError("Unable to allocate 9 GiB")
+
+    monkeypatch.setattr("viscopoint.case.packaged", scarce)
+    code, _, messages = call("cases")
+    assert (code, messages) == (3, "viscopoint: memory ran out (Unable to allocate 9 GiB)\n")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_verification_that_is_interrupted_accuses_nobody(finished: Path, number: signal.Signals):
+    code = (
+        "import os, signal\n"
+        "from viscopoint import cli, simulation\n"
+        "advance = simulation.Simulation._record\n"
+        f"simulation.Simulation._record = lambda *words: (os.kill(os.getpid(), {number.value}), advance(*words))[1]\n"
+        f"cli.app(['verify', {str(finished)!r}])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "viscopoint: interrupted\n")
+
+
+def test_the_cursor_comes_back_when_a_run_is_ended_at_once(tmp_path: Path):
+    pty = pytest.importorskip("pty")
+    line = [sys.executable, "-m", "viscopoint", "run", "paper", "--out", str(tmp_path / "run"), "--no-figures"]
+    child, terminal = pty.fork()
+    if child == 0:
+        os.execv(sys.executable, line)
+    shown = b""
+    with contextlib.suppress(OSError):  # at the end
+        while piece := os.read(terminal, 4096):
+            shown += piece
+            if b"\x1b[?25l" in shown and b"reading" in shown:
+                os.kill(child, signal.SIGINT)  # until it is heard
+                time.sleep(0.05)
+    os.waitpid(child, 0)
+    assert shown.rindex(b"\x1b[?25h") > shown.rindex(b"\x1b[?25l")
+    assert b"interrupted" in shown

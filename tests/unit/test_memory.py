@@ -150,7 +150,7 @@ def test_a_run_that_finds_no_memory_keeps_what_it_has_and_goes_on_when_there_is_
     done = subprocess.run([*line, "scarce"], cwd=tmp_path, capture_output=True, text=True, check=False, env=mapped)
     assert done.returncode == 0, done.stderr
     assert "memory ran out" in done.stdout
-    assert "once there is room, `viscopoint resume run` goes on" in done.stdout
+    assert "once that is mended, `viscopoint resume run` goes on" in done.stdout
     assert vp.Run(tmp_path / "run").status == "running"
     run = vp.resume(tmp_path / "run", figures=False)
     assert run.status == "complete"

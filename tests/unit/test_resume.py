@@ -14,11 +14,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+import pyvista
 
 import viscopoint as vp
 from viscopoint import checkpoint, running
 from viscopoint.checkpoint import Every
+from viscopoint.fem.rod import rod_mesh
+from viscopoint.folder import alone
 from viscopoint.ledger import Row
+from viscopoint.model import build
 from viscopoint.output import fields as field_file
 from viscopoint.verify import compare_bits
 
@@ -134,15 +138,19 @@ def test_a_damaged_checkpoint_is_told_and_the_one_before_taken(tmp_path: Path):
         vp.resume(tmp_path / "other")
 
 
-@pytest.mark.parametrize("change", ["case", "sources", "state", "fields", "history", "link", "format"])
-def test_what_does_not_go_with_a_checkpoint_is_refused(change: str, tmp_path: Path):
+def contents(folder: Path) -> dict[str, bytes]:
+    """Return what is in all files of a folder, but for the lock."""
+    files = (path for path in folder.rglob("*") if path.is_file() and path.name != ".lock")
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+@pytest.mark.parametrize(
+    "change", ["sources", "state", "fields", "no fields", "history", "no history", "link", "format"]
+)
+def test_what_does_not_go_with_a_checkpoint_is_refused_and_left_as_it_is(change: str, tmp_path: Path):
     folder = tmp_path / "cut"
     cut_off(case_of("tlmpm"), folder, 0.7)
-    if change == "case":
-        text = (folder / "case.toml").read_text()
-        (folder / "case.toml").write_text(text.replace("150.0 m/s", "151.0 m/s"))
-        message = "not of its case.toml"
-    elif change in ("sources", "format"):
+    if change in ("sources", "format"):
         data = json.loads((folder / "provenance.json").read_text())
         (folder / "provenance.json").write_text(json.dumps(data | {change: "1234"}))
         message = "begun by other sources" if change == "sources" else "format 1234"
@@ -155,12 +163,180 @@ def test_what_does_not_go_with_a_checkpoint_is_refused(change: str, tmp_path: Pa
         name = {"fields": "fields.vtkhdf", "history": "history.csv"}[change]
         (folder / name).write_bytes((folder / name).read_bytes()[:100])
         message = "does not go with its checkpoint"
+    elif change in ("no fields", "no history"):
+        (folder / {"no fields": "fields.vtkhdf", "no history": "history.csv"}[change]).unlink()
+        message = "does not go with its checkpoint"
     else:
         (folder / "history.csv").rename(tmp_path / "elsewhere.csv")
         (folder / "history.csv").symlink_to(tmp_path / "elsewhere.csv")
         message = "is a link or a device"
+    before = contents(folder)
     with pytest.raises(vp.InputError, match=message):
         vp.resume(folder)
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize("every", [SIMULATED, "never"])
+def test_a_run_is_not_resumed_as_another_case(every: str, tmp_path: Path):
+    folder = tmp_path / "cut"
+    cut_off(case_of("tlmpm"), folder, 0.7, every)
+    text = (folder / "case.toml").read_text()
+    (folder / "case.toml").write_text(text.replace("150.0 m/s", "151.0 m/s"))
+    before = contents(folder)
+    with pytest.raises(vp.InputError, match=r"its case\.toml, or the mesh that it names, is not what it was"):
+        vp.resume(folder)
+    assert contents(folder) == before
+
+
+@pytest.mark.parametrize("every", [SIMULATED, "never"])
+def test_a_run_is_not_resumed_with_another_mesh(every: str, tmp_path: Path):
+    rod = rod_mesh(3.8, 25.4, 1.9)
+    pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: rod.cells}, rod.position).save(tmp_path / "rod.vtu")
+    method = {"name": "fem", "mesh": str(tmp_path / "rod.vtu")}
+    case = vp.Case.load("paper", {"method": method, "time.end": "4 us", "time.snapshots": []})
+    folder = tmp_path / "cut"
+    cut_off(case, folder, 0.7, every)
+    sound = (folder / "mesh.vtu").read_bytes()
+    inside = np.hypot(*rod.position[:, :2].T) < 1.0
+    moved = rod.position + 1e-6 * (inside & (rod.position[:, 2] > 1.0) & (rod.position[:, 2] < 20.0))[:, None]
+    pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: rod.cells}, moved).save(folder / "mesh.vtu")
+    with pytest.raises(vp.InputError, match="or the mesh that it names, is not what it was"):
+        vp.resume(folder)
+    (folder / "mesh.vtu").write_bytes(sound)
+    assert_same(vp.run(case, figures=False), vp.resume(folder, figures=False))
+
+
+def test_checkpoints_that_are_damaged_or_not_ours_keep_no_sound_one_away(tmp_path: Path):
+    case, folder = case_of("tlmpm"), tmp_path / "cut"
+    cut_off(case, folder, 0.5)
+    place = folder / "checkpoints"
+    _, newer = sorted(place.iterdir())
+    damaged(newer, 0.7)
+    (place / "zzz.safetensors").touch()
+    vp.resume(folder, figures=False, checkpoint_every=SIMULATED, watch=interrupted_at(0.9))
+    files = sorted(file for file in place.iterdir() if file.name != "zzz.safetensors")
+    assert len(files) == checkpoint.KEPT
+    like = build(case).method.state()
+    assert all(checkpoint.load(file, like).state.keys() == like.keys() for file in files)
+    assert_same(vp.run(case, figures=False), vp.resume(folder, figures=False))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"before": np.inf}, {"rows": np.inf}, {"start": 0.0}, {"marks": [0, 0]}, {"marks": [3, 10]}, {"marks": []},
+    ],
+)  # fmt: skip
+def test_a_whole_checkpoint_of_what_no_run_had_is_refused(change: dict[str, Any], tmp_path: Path):
+    folder = tmp_path / "cut"
+    cut_off(case_of("tlmpm"), folder, 0.7)
+    like = build(case_of("tlmpm")).method.state()
+    found, _ = checkpoint.newest(folder, like)
+    assert found is not None
+    progress = found.progress
+    if "before" in change:
+        progress.before[1] = change["before"]
+    elif "rows" in change:
+        progress.rows[0][-1] = change["rows"]
+    elif "start" in change:
+        progress.start = [change["start"]] * len(progress.start)
+    else:
+        progress.marks = change["marks"]
+    shutil.rmtree(folder / "checkpoints")
+    checkpoint.save(folder / "checkpoints" / f"{progress.step:09d}.safetensors", progress, found.state)
+    before = contents(folder)
+    with pytest.raises(vp.InputError, match=r"checkpoint|does not go with"):
+        vp.resume(folder, figures=False)
+    assert contents(folder) == before
+
+
+# --- folders that are replaced or moved ---
+
+
+def test_a_folder_that_cannot_be_replaced_stays(finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    folder, renames = tmp_path / "run", []
+    shutil.copytree(finished, folder)
+    real = Path.rename
+
+    def failing(self: Path, target: Path) -> Path:
+        renames.append(target)
+        if len(renames) == 2:
+            raise OSError(122, "Disk quota exceeded")
+        return real(self, target)
+
+    monkeypatch.setattr(Path, "rename", failing)
+    before = contents(folder)
+    with pytest.raises(vp.InputError, match="Disk quota exceeded"):
+        vp.run(case_of("tlmpm"), folder, force=True, figures=False)
+    assert contents(folder) == before
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_folder_whose_replacement_was_killed_comes_back(finished: Path, tmp_path: Path, there: bool):
+    shutil.copytree(finished, tmp_path / ".run.0123456789abcdef.old")
+    os.utime(tmp_path / ".run.0123456789abcdef.old", (0.0, 0.0))
+    if there:
+        (tmp_path / "run").mkdir()
+    vp.run(case_of("tlmpm"), tmp_path / "other", figures=False)
+    assert not list(tmp_path.glob(".*"))
+    assert ((tmp_path / "run" / "summary.json").exists(), (tmp_path / "run").exists()) == (not there, True)
+
+
+def test_force_through_a_link_replaces_what_it_leads_to(finished: Path, tmp_path: Path):
+    shutil.copytree(finished, tmp_path / "run")
+    (tmp_path / "link").symlink_to("run")
+    vp.run(case_of("tlmpm"), tmp_path / "link", force=True, figures=False)
+    assert (tmp_path / "link").is_symlink()
+    assert vp.Run(tmp_path / "run").case.method.name == "tlmpm"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "run"]
+
+
+def test_a_run_whose_folder_is_moved_writes_nothing_into_another_and_can_be_resumed(tmp_path: Path):
+    case = case_of("tlmpm")
+    other = vp.run(case.with_({"impact.speed": "100 m/s"}), tmp_path / "other", figures=False)
+    before = contents(other.folder)
+
+    def move(share: float, row: Row) -> None:
+        if share > 0.5 and not (tmp_path / "moved").exists():
+            (tmp_path / "run").rename(tmp_path / "moved")
+            other.folder.rename(tmp_path / "run")
+
+    with pytest.raises(vp.OutputError, match="the folder was moved, another one is in its place"):
+        vp.run(case, tmp_path / "run", figures=False, checkpoint_every=SIMULATED, watch=move)
+    assert contents(tmp_path / "run") == before
+    assert_same(vp.run(case, figures=False), vp.resume(tmp_path / "moved", figures=False))
+
+
+def test_of_two_that_make_one_folder_the_later_takes_it_and_the_other_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    others: list[bool] = []
+
+    def late(folder: Path, made: os.stat_result | None = None) -> Any:
+        if not others:  # another process replaces the folder before this one has locked it
+            others.append(True)
+            vp.run(case_of("fem"), folder, force=True, figures=False)
+        return alone(folder, made)
+
+    monkeypatch.setattr("viscopoint.running.alone", late)
+    with pytest.raises(vp.InputError, match="another process is at work there"):
+        vp.run(case_of("tlmpm"), tmp_path / "run", figures=False)
+    assert_same(vp.run(case_of("fem"), figures=False), vp.Run(tmp_path / "run"))
+
+
+def test_resuming_looks_at_a_run_once_nobody_else_works_on_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    cut_off(case_of("tlmpm"), tmp_path / "run", 0.7)
+    others: list[bool] = []
+
+    def late(folder: Path, made: os.stat_result | None = None) -> Any:
+        if not others:
+            others.append(True)
+            vp.resume(folder, figures=False)
+        return alone(folder, made)
+
+    monkeypatch.setattr("viscopoint.running.alone", late)
+    assert len(vp.resume(tmp_path / "run", figures=False).provenance["resumed"]) == 1
 
 
 def test_a_snapshot_happens_as_a_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

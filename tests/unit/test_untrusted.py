@@ -7,6 +7,7 @@ import shutil
 import struct
 import sys
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from viscopoint.comparison import Comparison
 from viscopoint.errors import CaseError
 from viscopoint.fem import reading
 from viscopoint.fem.rod import layers, rod_mesh
+from viscopoint.output import Mark
 from viscopoint.output.fields import Fields
 from viscopoint.untrusted import contents, table, toml
 from viscopoint.wording import one_line, unseen
@@ -211,6 +213,49 @@ def count_in_text(file: Any, outside: Path) -> None:
     file["VTKHDF/Steps"].attrs["NSteps"] = "2"
 
 
+def count_too_far(file: Any, outside: Path) -> None:
+    file["VTKHDF/Steps"].attrs["NSteps"] = 10**9
+
+
+def compress_twice(file: Any, outside: Path) -> None:
+    low: Any = h5py
+    created = low.h5p.create(low.h5p.DATASET_CREATE)
+    created.set_chunk((100, 3))
+    created.set_deflate(9)
+    created.set_deflate(9)
+    del file["VTKHDF/Points"]
+    space = low.h5s.create_simple((100, 3), (low.h5s.UNLIMITED, 3))
+    low.h5d.create(file["VTKHDF"].id, b"Points", low.h5t.NATIVE_DOUBLE, space, created)
+
+
+def compress_what_grows(file: Any, outside: Path) -> None:
+    shape = file["VTKHDF/Points"].shape
+    del file["VTKHDF/Points"]
+    pieces = {"maxshape": (None, 3), "chunks": (100_000, 3), "compression": 1}
+    points = file["VTKHDF"].create_dataset("Points", shape, float, **pieces)
+    points.id.write_direct_chunk((0, 0), zlib.compress(bytes(2**27), 9))
+
+
+def nest(file: Any, outside: Path) -> None:
+    group = file["VTKHDF"]
+    for _ in range(3000):
+        group = group.create_group("g")
+
+
+def name_many(file: Any, outside: Path) -> None:
+    for number in range(3000):
+        file.create_group(f"{number}")
+
+
+def name_itself(file: Any, outside: Path) -> None:
+    file["VTKHDF/again"] = file["VTKHDF"]
+
+
+def make_a_group_of_a_field(file: Any, outside: Path) -> None:
+    del file["VTKHDF/PointData/velocity"]
+    file["VTKHDF/PointData"].create_group("velocity")
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -222,6 +267,13 @@ def count_in_text(file: Any, outside: Path) -> None:
         (compress_in_large_parts, "holds more than can be in the file"),
         (store_text, "holds no numbers"),
         (count_in_text, "the number of snapshots is none"),
+        (count_too_far, "1000000000 snapshots are more than a run can have"),
+        (compress_twice, "is compressed as none of ours"),
+        (compress_what_grows, "has a piece that grows"),
+        (nest, "holds more groups than any of ours"),
+        (name_many, "holds more groups than any of ours"),
+        (name_itself, "holds more groups than any of ours"),
+        (make_a_group_of_a_field, "'Group' object has no attribute|has not the 1 snapshots"),
     ],
 )
 def test_fields_of_what_is_not_in_their_file_are_refused(
@@ -234,16 +286,15 @@ def test_fields_of_what_is_not_in_their_file_are_refused(
         change(file, outside)
     with pytest.raises(vp.InputError, match=rf"fields\.vtkhdf cannot be read \(.*{words}"):
         vp.Run(received).snapshot(-1)
-    snapshot = vp.Run(finished).snapshot(-1)
-    with pytest.raises(ValueError, match=words):  # as on resuming, which writes
-        Fields(received, vp.Run(finished).body, 1).snapshot(snapshot.time, snapshot.fields)
+    with pytest.raises(ValueError, match=words):  # as on resuming
+        Fields(received, vp.Run(finished).body, Mark(1, 1))
     assert outside.read_bytes() == before
 
 
 def test_fields_are_not_set_back_to_snapshots_that_they_have_not(received: Path):
     run = vp.Run(received)
-    with pytest.raises(ValueError, match="it has not the 9 snapshots of the checkpoint"):
-        Fields(received, run.body, 9)
+    with pytest.raises(ValueError, match="has not the 9 snapshots of the checkpoint"):
+        Fields(received, run.body, Mark(9, 9))
     assert len(vp.Run(received).times) == len(run.times)
 
 

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import viscopoint as vp
 from viscopoint.cli import app
-from viscopoint.verify import verify
+from viscopoint.verify import _difference, verify
 
 
 def test_a_run_verified_has_the_same_bits(finished: Path):
@@ -29,6 +29,14 @@ def test_the_last_bit_of_one_number_is_found(finished: Path, tmp_path: Path):
     result = CliRunner().invoke(app, ["verify", str(folder)])
     assert result.exit_code == 1
     assert "stress at 2 us: 1 numbers differ" in result.stdout
+
+
+@pytest.mark.parametrize(("one", "other"), [(0.0, -0.0), (np.nan, -np.nan), (1.0, np.nextafter(1.0, 2.0))])
+def test_numbers_are_the_same_if_their_bits_are(one: float, other: float):
+    assert _difference("x", np.array([[1.0, one]]), np.array([[1.0, one]])) is None
+    found = _difference("x", np.array([[1.0, one]]), np.array([[1.0, other]]))
+    assert found is not None
+    assert found.numbers == 1
 
 
 def test_an_unfinished_run_cannot_be_verified(quick: vp.Case, tmp_path: Path):

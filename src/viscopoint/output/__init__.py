@@ -1,13 +1,13 @@
 """What a run leaves behind: one short file per kind of output, found by itself.
 
-A writer is made with the run's folder and the body, sees every row of the ledger and every snapshot, and is closed at
-the end. A checkpoint asks it for a mark, where it has come to; one made with a mark goes on from there and forgets what
-an earlier process wrote after it.
+A writer is made with the run's folder and the body, begins, sees every row of the ledger and every snapshot, and is
+closed at the end. A checkpoint asks it for a mark, where it has come to; one made with a mark looks whether all up to
+there is in the folder, and as it begins forgets what an earlier process wrote after it.
 """
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from viscopoint.body import Body
 from viscopoint.discovery import import_all
@@ -15,8 +15,22 @@ from viscopoint.ledger import Row
 from viscopoint.method import Field
 
 
+class Mark(NamedTuple):
+    """Where an output had come to as a checkpoint was written."""
+
+    place: int  # what ``mark`` returned
+    snapshots: int  # that it had seen
+
+
 class Writer(Protocol):
-    """Writes one kind of output."""
+    """Writes one kind of output.
+
+    To make one changes nothing in the folder yet; it raises ``ValueError`` if what is there does not go with the mark.
+    """
+
+    def begin(self) -> None:
+        """Forget what was written after the mark, or all without one."""
+        ...
 
     def row(self, row: Row) -> None:
         """Take a row of the ledger."""
@@ -35,7 +49,7 @@ class Writer(Protocol):
         ...
 
 
-Make = Callable[[Path, Body, int | None], Writer]
+Make = Callable[[Path, Body, Mark | None], Writer]
 WRITERS: list[Make] = []
 
 

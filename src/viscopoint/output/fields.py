@@ -9,7 +9,7 @@ import errno
 import math
 import os
 import shutil
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 from viscopoint import memory
 from viscopoint.arrays import Indices
 from viscopoint.body import Body
-from viscopoint.hdf5 import changed, opened
+from viscopoint.hdf5 import FILTERS, changed, check_pieces, opened, rows
+from viscopoint.inputs import MOST_SNAPSHOTS
 from viscopoint.method import Field
-from viscopoint.output import offer
+from viscopoint.output import Mark, offer
 
 NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
@@ -31,20 +32,23 @@ KINDS = {1: 1, 4: 9, 8: 12}  # VTK's cell types by the number of corners: vertex
 DATA = {"points": "PointData", "cells": "CellData"}
 CHUNK = 16_384  # greatest number of rows compressed together
 RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
-FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 
 
 @offer
 class Fields:
     """Appends snapshots; the file is closed in between."""
 
-    def __init__(self, folder: Path, body: Body, mark: int | None) -> None:
-        self.path, self.cells, self.count = folder / NAME, body.cells, mark or 0
-        if mark is None:
+    def __init__(self, folder: Path, body: Body, mark: Mark | None) -> None:
+        self.path, self.cells, self.count = folder / NAME, body.cells, mark.place if mark else 0
+        if mark:
+            _check_mark(self.path, mark)
+
+    def begin(self) -> None:
+        if self.count == 0:
             self.path.unlink(missing_ok=True)
         else:
             with changed(self.path) as file:
-                _rewind(file["VTKHDF"], mark)
+                _rewind(file["VTKHDF"], self.count)
 
     def row(self, row: Any) -> None:
         pass
@@ -120,21 +124,37 @@ def _append(root: Any, time: float, fields: Mapping[str, Field]) -> None:
     steps.attrs["NSteps"] = count + 1
 
 
+def _check_mark(path: Path, mark: Mark) -> None:
+    """Raise ``ValueError`` unless the file has all snapshots that a mark speaks of."""
+    if mark.place != mark.snapshots or not path.exists():
+        raise ValueError(f"{NAME} has not the snapshots of the run")
+    with opened(path) as file:
+        root = file["VTKHDF"]
+        for dataset, length in _lengths_at(root, mark.place):
+            if len(dataset) < length or _count(root["Steps"]) < mark.place:
+                raise ValueError(f"{NAME} has not the {mark.place} snapshots of the checkpoint")
+            check_pieces(dataset, length - 1, length)  # to which the next rows are added
+
+
 def _rewind(root: Any, count: int) -> None:
     """Forget all snapshots after the first ``count``."""
+    for dataset, length in _lengths_at(root, count):
+        dataset.resize(length, axis=0)
+    root["Steps"].attrs["NSteps"] = count
+
+
+def _lengths_at(root: Any, count: int) -> Iterator[tuple[Any, int]]:
+    """Yield each dataset that snapshots lengthen, and how many rows it has after ``count`` of them."""
     steps = root["Steps"]
-    if count > _count(steps):
-        raise ValueError(f"it has not the {count} snapshots of the checkpoint")
-    sizes = {"PointData": count * int(root["NumberOfPoints"][0]), "CellData": count * int(root["NumberOfCells"][0])}
-    root["Points"].resize(sizes["PointData"], axis=0)
-    for group, size in sizes.items():
-        for name, data in root[group].items():
+    points, cells = (count * int(root[name][0]) for name in ("NumberOfPoints", "NumberOfCells"))
+    yield root["Points"], points
+    for group, length in (("PointData", points), ("CellData", cells)):
+        for name, dataset in root[group].items():
             if name != INITIAL:
-                data.resize(size, axis=0)
-            steps[f"{group}Offsets"][name].resize(count, axis=0)
+                yield dataset, length
+            yield steps[f"{group}Offsets"][name], count
     for name in ("Values", "PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"):
-        steps[name].resize(count, axis=0)
-    steps.attrs["NSteps"] = count
+        yield steps[name], count
 
 
 def _whole(group: Any, name: str, values: NDArray[Any]) -> None:
@@ -169,14 +189,17 @@ def _count(steps: Any) -> int:
     """Return how many snapshots there are."""
     if steps.attrs.get_id("NSteps").get_type().get_class() != h5t.INTEGER:
         raise ValueError("the number of snapshots is none")
-    return int(steps.attrs["NSteps"])
+    count = int(steps.attrs["NSteps"])
+    if not 0 <= count <= MOST_SNAPSHOTS + 2:  # and the start, and the end
+        raise ValueError(f"{count} snapshots are more than a run can have")
+    return count
 
 
 def times(path: Path) -> NDArray[np.float64]:
     """Return the times of the snapshots in a file [ms]."""
     with opened(path) as file:
         steps = file["VTKHDF/Steps"]
-        return steps["Values"][: _count(steps)]
+        return rows(steps["Values"], 0, _count(steps))
 
 
 def read(path: Path, number: int, only: Collection[str] | None = None) -> dict[str, Field]:
@@ -195,7 +218,7 @@ def read(path: Path, number: int, only: Collection[str] | None = None) -> dict[s
 
 
 def _rows(dataset: Any, offset: int, count: int, on: Any) -> Field:
-    values = dataset[offset : offset + count]
+    values = rows(dataset, offset, offset + count)
     if len(values) < count:
         raise ValueError(f"{dataset.name} is cut off")
     return Field(values, _unit(dataset), on)

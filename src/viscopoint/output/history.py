@@ -11,26 +11,27 @@ from viscopoint.body import Body
 from viscopoint.folder import sync
 from viscopoint.ledger import UNITS, Row
 from viscopoint.method import Field
-from viscopoint.output import offer
+from viscopoint.output import Mark, offer
 
 NAME = "history.csv"
+HEADINGS = [f"{name} [{unit}]" for name, unit in UNITS.items()]
 
 
 @offer
 class History:
     """Writes lines as they come, so that an interrupted run keeps them."""
 
-    def __init__(self, folder: Path, body: Body, mark: int | None) -> None:
-        path = folder / NAME
-        if mark is not None and path.stat().st_size < mark:
+    def __init__(self, folder: Path, body: Body, mark: Mark | None) -> None:
+        path, self.place = folder / NAME, mark.place if mark else 0
+        if mark and not _ends_line(path, mark.place):
             raise ValueError(f"{NAME} is cut off")
-        self.file = path.open("w" if mark is None else "r+", newline="", encoding="utf-8")
+        self.file = path.open("a", newline="", encoding="utf-8")
         self.table = csv.writer(self.file)
-        if mark is None:
-            self.table.writerow(f"{name} [{unit}]" for name, unit in UNITS.items())
-        else:
-            self.file.truncate(mark)
-            self.file.seek(mark)
+
+    def begin(self) -> None:
+        self.file.truncate(self.place)
+        if self.place == 0:
+            self.table.writerow(HEADINGS)
 
     def row(self, row: Row) -> None:
         self.table.writerow(row)
@@ -44,6 +45,15 @@ class History:
 
     def close(self) -> None:
         self.file.close()
+
+
+def _ends_line(path: Path, place: int) -> bool:
+    """Return whether a file is there, and a line after the headings ends at a place in it."""
+    if not path.exists() or not len(",".join(HEADINGS)) < place <= path.stat().st_size:
+        return False
+    with path.open("rb") as file:
+        file.seek(place - 1)
+        return file.read(1) == b"\n"
 
 
 def read(path: Path) -> dict[str, NDArray[np.float64]]:

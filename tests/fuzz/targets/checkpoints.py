@@ -3,6 +3,7 @@
 import shutil
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from choices import Choices, chance, one_of
@@ -20,7 +21,6 @@ from viscopoint.model import build
 MODULES = ("viscopoint.errors", "viscopoint.checkpoint")
 CASE = {"method.spacing": "1.9 mm", "method.geometry": "axisymmetric", "time.end": "4 us", "time.snapshots": ["2 us"]}
 WILD = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e-320, 1e308, -1e308, 1e15, 255.0, 2.0**31, 2.0**63)
-COUNTS = ("step", "marks", "rows")
 GO_ON = 3  # percent of what is whole: to resume takes longer than to read
 
 
@@ -81,7 +81,7 @@ class Target:
             elif isinstance(value, int):
                 setattr(progress, name, one_of(choices, (-1, 0, 10**9, 2**63)))
             elif isinstance(value, list):
-                setattr(progress, name, value[: choices.integer(0, len(value))])
+                setattr(progress, name, _spoilt_list(choices, value))
             told.append(f"{name}: {getattr(progress, name)!r:.200}")
         return Checkpoint(progress, state), "; ".join(told)
 
@@ -92,6 +92,20 @@ class Target:
         found, faults = checkpoint.newest(self.folder, self.like)
         if found is None:
             raise InputError(str(faults))
+
+
+def _spoilt_list(choices: Choices, values: list[Any]) -> list[Any]:
+    """Return a list that is shorter, or has a wild entry, or a list in it does."""
+    if chance(choices, 30) or not values:
+        return values[: choices.integer(0, len(values))]
+    place, spoilt = choices.integer(0, len(values) - 1), list(values)
+    if isinstance(values[place], list):
+        spoilt[place] = _spoilt_list(choices, values[place])
+    elif isinstance(values[place], int):
+        spoilt[place] = one_of(choices, (-1, 0, 10**9, 2**63))
+    else:
+        spoilt[place] = one_of(choices, WILD)
+    return spoilt
 
 
 def _spoilt(choices: Choices, rows: Rows) -> str:

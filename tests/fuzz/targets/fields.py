@@ -1,15 +1,27 @@
-"""Fields of a run folder from others: what HDF5 reads, and the journal of a snapshot that was being appended."""
+"""Fields of a run folder from others: what HDF5 reads, and the journal of a snapshot that was being appended.
 
+Bytes are edited, which checksums mostly find; and what a sound file holds, its checksums right.
+"""
+
+import contextlib
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from choices import Choices, chance
+import h5py
+import numpy as np
+from choices import Choices, chance, one_of
 from edits import edited
 
-from viscopoint.output.fields import NAME
-from viscopoint.results import Run
+from viscopoint.errors import InputError
+from viscopoint.output import Mark
+from viscopoint.output.fields import NAME, Fields
+from viscopoint.results import CORRUPT, Run
 
-MODULES = ("viscopoint.errors", "viscopoint.output.fields", "viscopoint.transaction", "viscopoint.results")
+MODULES = (
+    "viscopoint.errors", "viscopoint.hdf5", "viscopoint.output.fields", "viscopoint.transaction", "viscopoint.results",
+)  # fmt: skip
 JOURNAL = f".{NAME}.journal"
 HEAD = 30_000  # bytes at the beginning that describe the rest; most damage is done there
 
@@ -22,16 +34,22 @@ class Target:
         self.folder = folder / "run"
         shutil.copytree(seeds, self.folder)
         self.whole = (seeds / NAME).read_bytes()
+        self.names: list[str] = []
+        with h5py.File(seeds / NAME, "r") as file:
+            file.visit(self.names.append)
         self.body = Run(self.folder).body
         self.check()
 
     def lay(self, choices: Choices) -> str:
+        (self.folder / JOURNAL).unlink(missing_ok=True)
+        if chance(choices, 40):
+            (self.folder / NAME).write_bytes(self.whole)
+            return _restructured(choices, self.folder / NAME, self.names)
         head, rest = self.whole[:HEAD], self.whole[HEAD:]
         if chance(choices, 30):
             rest = edited(choices, rest, most=2)
         head = edited(choices, head)
         (self.folder / NAME).write_bytes(head + rest)
-        (self.folder / JOURNAL).unlink(missing_ok=True)
         if chance(choices, 20):
             (self.folder / JOURNAL).write_bytes(edited(choices, b"viscopoint journal\n" + bytes(5000)))
         return f"{len(head)} + {len(rest)} bytes"
@@ -41,3 +59,70 @@ class Target:
         run.body = self.body
         for number in range(min(len(run.times), 3)):
             run.profile(run.snapshot(number))
+        try:
+            Fields(self.folder, self.body, Mark(1, 1))  # as on resuming
+        except CORRUPT as error:
+            raise InputError(f"fields: {error!r}") from None
+
+
+def _restructured(choices: Choices, path: Path, names: list[str]) -> str:
+    """Change some of what a file holds, by way of HDF5; return what."""
+    told = []
+    with h5py.File(path, "r+") as file:
+        for _ in range(choices.integer(1, 3)):
+            name, change = one_of(choices, names), one_of(choices, CHANGES)
+            told.append(f"{change.__name__} {name}")
+            with contextlib.suppress(*CORRUPT):  # what is gone, or cannot be so
+                change(choices, file, name)
+    return ", ".join(told)
+
+
+def _remove(choices: Choices, file: Any, name: str) -> None:
+    del file[name]
+
+
+def _overwrite(choices: Choices, file: Any, name: str) -> None:
+    if file[name].size < MOST:
+        file[name][...] = one_of(choices, WILD)
+
+
+def _resize(choices: Choices, file: Any, name: str) -> None:
+    file[name].resize(one_of(choices, SIZES), axis=0)
+
+
+def _count(choices: Choices, file: Any, name: str) -> None:
+    file["VTKHDF/Steps"].attrs["NSteps"] = one_of(choices, (*WILD, "2", [1, 2]))
+
+
+def _rename_unit(choices: Choices, file: Any, name: str) -> None:
+    file[name].attrs["unit"] = one_of(choices, ("MPa", np.bytes_(b"\xff\x1b[2J"), 3, [1.0, 2.0]))
+
+
+def _exchange(choices: Choices, file: Any, name: str) -> None:
+    shape = tuple(one_of(choices, SIZES) for _ in range(choices.integer(0, 3)))
+    del file[name]
+    if shape and chance(choices, 50):
+        pieces = tuple(max(min(size, 100), 1) for size in shape)
+        file.create_dataset(name, shape, one_of(choices, TYPES), chunks=pieces, compression=one_of(choices, (None, 1)))
+    else:
+        file.create_dataset(name, shape, one_of(choices, TYPES))
+
+
+def _link(choices: Choices, file: Any, name: str) -> None:
+    links = (file, h5py.SoftLink("/"), h5py.SoftLink(name), h5py.ExternalLink("/etc/passwd", "/"))
+    del file[name]
+    file[name] = one_of(choices, links)
+
+
+def _nest(choices: Choices, file: Any, name: str) -> None:
+    del file[name]
+    file.create_group("/".join([name, *one_of(choices, ([], ["g"] * 5, ["g"] * 200))]))
+
+
+WILD = (0, 1, -1, 3, 10**9, 2**62, -(2**62), np.nan, np.inf, 1e308)
+MOST = 10**6  # numbers to write
+SIZES = (0, 1, 2, 3, 1000, 10**6, 2**40)
+TYPES = ("f8", "f4", "i8", "u1", "S5", "c16", "i2,f8", "O")
+CHANGES: tuple[Callable[[Choices, Any, str], None], ...] = (
+    _remove, _overwrite, _resize, _count, _rename_unit, _exchange, _link, _nest,
+)  # fmt: skip

@@ -1,3 +1,4 @@
+import gc
 import signal
 from pathlib import Path
 
@@ -18,6 +19,12 @@ SMALL_FEM = {"method.size": "1.2 mm", "time.end": "2 us", "time.snapshots": ["1 
 def pytest_configure() -> None:
     """Let processes that tests start hear Ctrl-C, also if the tests go on in the background of a shell."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage less often, as the command line does: while kernels compile that takes a tenth of the time."""
+    gc.freeze()
+    gc.set_threshold(100_000, 20, 50)
 
 
 @pytest.fixture

@@ -236,6 +236,11 @@ def compress_what_grows(file: Any, outside: Path) -> None:
     points.id.write_direct_chunk((0, 0), zlib.compress(bytes(2**27), 9))
 
 
+def compress_what_is_damaged(file: Any, outside: Path) -> None:
+    compress_what_grows(file, outside)
+    file["VTKHDF/Points"].id.write_direct_chunk((0, 0), bytes(2**17))
+
+
 def nest(file: Any, outside: Path) -> None:
     group = file["VTKHDF"]
     for _ in range(3000):
@@ -270,6 +275,7 @@ def make_a_group_of_a_field(file: Any, outside: Path) -> None:
         (count_too_far, "1000000000 snapshots are more than a run can have"),
         (compress_twice, "is compressed as none of ours"),
         (compress_what_grows, "has a piece that grows"),
+        (compress_what_is_damaged, "has a piece that grows, or is damaged"),
         (nest, "holds more groups than any of ours"),
         (name_many, "holds more groups than any of ours"),
         (name_itself, "holds more groups than any of ours"),

@@ -37,6 +37,7 @@ def test_total_lagrangian_rings_agree_with_three_dimensions():
     assert ends[0]["length"] == pytest.approx(ends[1]["length"], rel=1e-5)  # the tail flies on
 
 
+@pytest.mark.long
 def test_rings_of_material_points_agree_with_three_dimensions():
     same = {"method.cell": "0.76 mm", "method.shape": "gimp", "method.fill": "rings", "time.end": "10 us"}
     solid = vp.Case.load("paper", same | {"time.snapshots": []})

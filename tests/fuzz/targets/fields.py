@@ -4,6 +4,7 @@ Bytes are edited, which checksums mostly find; and what a sound file holds, its 
 """
 
 import contextlib
+import io
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -43,8 +44,9 @@ class Target:
     def lay(self, choices: Choices) -> str:
         (self.folder / JOURNAL).unlink(missing_ok=True)
         if chance(choices, 40):
-            (self.folder / NAME).write_bytes(self.whole)
-            return _restructured(choices, self.folder / NAME, self.names)
+            content, told = _restructured(choices, self.whole, self.names)
+            (self.folder / NAME).write_bytes(content)
+            return told
         head, rest = self.whole[:HEAD], self.whole[HEAD:]
         if chance(choices, 30):
             rest = edited(choices, rest, most=2)
@@ -65,16 +67,16 @@ class Target:
             raise InputError(f"fields: {error!r}") from None
 
 
-def _restructured(choices: Choices, path: Path, names: list[str]) -> str:
-    """Change some of what a file holds, by way of HDF5; return what."""
-    told = []
-    with h5py.File(path, "r+") as file:
+def _restructured(choices: Choices, content: bytes, names: list[str]) -> tuple[bytes, str]:
+    """Change some of what a file holds, by way of HDF5, which may fail as it closes it; return it and what was done."""
+    told, memory = [], io.BytesIO(content)
+    with contextlib.suppress(*CORRUPT), h5py.File(memory, "r+") as file:
         for _ in range(choices.integer(1, 3)):
             name, change = one_of(choices, names), one_of(choices, CHANGES)
             told.append(f"{change.__name__} {name}")
             with contextlib.suppress(*CORRUPT):  # what is gone, or cannot be so
                 change(choices, file, name)
-    return ", ".join(told)
+    return memory.getvalue(), ", ".join(told)
 
 
 def _remove(choices: Choices, file: Any, name: str) -> None:

@@ -19,7 +19,7 @@ from viscopoint.simulation import Simulation
 
 DENSITY, SHEAR, SHEAR_LONG = 1.0, 145.0, 5.0  # g/cm^3, MPa: about those of the paper
 TRANSITS = 4.0  # of sound along the rod: the wave comes back twice
-LONGEST = 1200.0  # s; a case that takes longer hangs: the slowest, a crushed needle, takes longest
+LONGEST = 1200.0  # s; a case that takes longer hangs
 MOMENTUM = 1e-12  # of what the rod brought: rounding over some ten thousand steps
 FINISHED, STOPPED, FAILED = "finished", "stopped", "failed"
 

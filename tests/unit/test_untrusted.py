@@ -217,6 +217,12 @@ def count_too_far(file: Any, outside: Path) -> None:
     file["VTKHDF/Steps"].attrs["NSteps"] = 10**9
 
 
+def make_pairs_of_times(file: Any, outside: Path) -> None:
+    times = file["VTKHDF/Steps/Values"][()]
+    del file["VTKHDF/Steps/Values"]
+    file["VTKHDF/Steps"].create_dataset("Values", data=[times, times], maxshape=(None, None))
+
+
 def compress_twice(file: Any, outside: Path) -> None:
     low: Any = h5py
     created = low.h5p.create(low.h5p.DATASET_CREATE)
@@ -295,6 +301,13 @@ def test_fields_of_what_is_not_in_their_file_are_refused(
     with pytest.raises(ValueError, match=words):  # as on resuming
         Fields(received, vp.Run(finished).body, Mark(1, 1))
     assert outside.read_bytes() == before
+
+
+def test_times_that_are_none_are_refused(received: Path):
+    with h5py.File(received / "fields.vtkhdf", "r+") as file:
+        make_pairs_of_times(file, received)
+    with pytest.raises(vp.InputError, match="the times of its snapshots are none"):
+        vp.Run(received).snapshot(-1)
 
 
 def test_fields_are_not_set_back_to_snapshots_that_they_have_not(received: Path):

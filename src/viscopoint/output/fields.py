@@ -199,7 +199,10 @@ def times(path: Path) -> NDArray[np.float64]:
     """Return the times of the snapshots in a file [ms]."""
     with opened(path) as file:
         steps = file["VTKHDF/Steps"]
-        return rows(steps["Values"], 0, _count(steps))
+        found = rows(steps["Values"], 0, _count(steps))
+    if found.shape != (len(found),) or not np.isfinite(found).all():
+        raise ValueError("the times of its snapshots are none")
+    return found.astype(float)
 
 
 def read(path: Path, number: int, only: Collection[str] | None = None) -> dict[str, Field]:

@@ -31,7 +31,7 @@ NEVER, SIMULATED = "never", "simulated"
 
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[Number, Field(ge=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
 Count = Annotated[int, Field(ge=0, lt=2**62)]
 
 
@@ -42,11 +42,11 @@ class Progress(BaseModel):
 
     sources: str  # what computed it
     case: str  # hash of the run folder's case file and mesh
-    time: Positive  # ms
+    time: NotNegative  # ms
     step: Count
-    time_step: Positive  # ms
-    busy: Positive  # s
-    errors: tuple[Positive, Positive]  # greatest so far, of energy (a share) and momentum, N ms
+    time_step: NotNegative  # ms
+    busy: NotNegative  # s
+    errors: tuple[NotNegative, NotNegative]  # greatest so far, of energy (a share) and momentum, N ms
     start: list[Number]  # the account at the start, see ``ledger``
     before: list[Number]
     rows: Annotated[list[list[Number]], Field(min_length=1)]  # at the snapshots

@@ -130,7 +130,7 @@ def resume(
     """
     folder = Path(folder)
     every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
-    Run(folder)
+    Run(folder)  # or it is none, and nothing in it is looked at
     _check_own(folder)
     with alone(folder) as held:
         earlier = Run(folder)

@@ -17,7 +17,6 @@ from columns import (
     advance,
     block,
     column,
-    each_precision,
     one_thread,  # noqa: F401
     rod,
 )
@@ -200,7 +199,9 @@ def impact(box: Box = BOX, real: Real = np.float64) -> MaterialPointMethod:
     return rod(velocity=(3.0, 1.0, -100.0), walls=(RigidWall(0.0, 0.1),), cell=0.5, box=box, real=real)
 
 
-@each_precision
+@pytest.mark.parametrize(
+    "real", [np.float64, pytest.param(np.float32, marks=pytest.mark.long)], ids=["double", "single"]
+)
 def test_thread_count_changes_no_bit(real: Real) -> None:
     if THREADS < 2:
         pytest.skip("one core")

@@ -268,7 +268,10 @@ def assert_same_bits(one: dict[str, Any], other: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize(
     ("element", "real"),
-    [*((element, np.float64) for element in ELEMENTS.values()), (ELEMENTS["stiffness"], np.float32)],
+    [
+        *((element, np.float64) for element in ELEMENTS.values()),
+        pytest.param(ELEMENTS["stiffness"], np.float32, marks=pytest.mark.long),
+    ],
     ids=[*ELEMENTS, "single"],
 )
 def test_thread_count_changes_no_bit(element: Element, real: Real) -> None:

@@ -92,14 +92,16 @@ def test_parts_take_every_slab_once_and_about_as_many_points(counts: list[int]) 
 
 STEPS: list[tuple[str, dict[str, Any]]] = [
     ("mpm", {}),
-    ("mpm", {"method.volume": "cell-mean", "method.contact": "gated", "method.transfer": "fmpm"}),
     ("tlmpm", {}),
     ("fem", {}),
 ]
+COSTLY = ("mpm", {"method.volume": "cell-mean", "method.contact": "gated", "method.transfer": "fmpm"})
 
 
 @pytest.mark.parametrize(
-    ("name", "changes"), STEPS, ids=lambda value: "-".join(value.values()) if value and isinstance(value, dict) else ""
+    ("name", "changes"),
+    [*STEPS, pytest.param(*COSTLY, marks=pytest.mark.long)],
+    ids=lambda value: "-".join(value.values()) if value and isinstance(value, dict) else "",
 )
 def test_a_step_takes_no_memory_that_grows_with_the_body(name: str, changes: dict[str, Any]) -> None:
     size = "method.size" if name == "fem" else "method.spacing"

@@ -82,7 +82,7 @@ def test_discs_meet_and_part_as_mirror_images_from_when_they_share_a_node(shape:
     assert 0.8 < rebound(method) < 1.0
 
 
-@pytest.mark.parametrize("shape", ["gimp", "trilinear"])
+@pytest.mark.parametrize("shape", [pytest.param("gimp", marks=pytest.mark.long), "trilinear"])
 def test_apic_never_gains_energy_from_the_collision(shape: str) -> None:
     """But for what it seems to by kinetic energy known half a step later than stress: half a step's power."""
     found = collide(discs(shape=shape, transfer=Apic()))

@@ -22,9 +22,20 @@ pytestmark = pytest.mark.usefixtures("one_thread")
 THREADS = numba.get_num_threads()
 ROUNDING = 100 * np.finfo(float).eps
 NEW = [(Apic(), "gimp"), (Tpic(), "gimp"), (Fmpm(3), "gimp"), (Apic(), "trilinear"), (Fmpm(3), "trilinear")]
-TRANSFER = pytest.mark.parametrize(("transfer", "shape"), NEW, ids=str)
+COSTLY = (Fmpm(3), "gimp")  # its kernels take longest to compile
+
+
+def listed(*choice: Any) -> Any:
+    """Return a choice as a parameter, behind the marker if it is costly."""
+    return pytest.param(*choice, marks=pytest.mark.long) if choice[:2] == COSTLY else choice
+
+
+TRANSFER = pytest.mark.parametrize(("transfer", "shape"), [listed(*pair) for pair in NEW], ids=str)
 SCHEMES = [
-    (*pair, scheme) for pair in NEW for scheme in ("musl", "usf", "usl") if (pair[1], scheme) != ("trilinear", "usl")
+    listed(*pair, scheme)
+    for pair in NEW
+    for scheme in ("musl", "usf", "usl")
+    if (pair[1], scheme) != ("trilinear", "usl")
 ]
 SCHEME = pytest.mark.parametrize(("transfer", "shape", "scheme"), SCHEMES, ids=str)  # others are refused
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from viscopoint.case import Case, packaged
     from viscopoint.comparison import Comparison, compare
-    from viscopoint.errors import CaseError, InputError, OutputError, ViscopointError
+    from viscopoint.errors import CaseError, InputError, OutputError, ViscopointError, ViscopointWarning
     from viscopoint.reproduction import Reproduction, reproduce
     from viscopoint.results import Run, Snapshot
     from viscopoint.running import resume, run
@@ -33,6 +33,7 @@ __all__ = [
     "Run",
     "Snapshot",
     "ViscopointError",
+    "ViscopointWarning",
     "compare",
     "packaged",
     "reproduce",
@@ -49,6 +50,7 @@ _HOME = {
     "InputError": "errors",
     "OutputError": "errors",
     "ViscopointError": "errors",
+    "ViscopointWarning": "errors",
     "Reproduction": "reproduction",
     "reproduce": "reproduction",
     "Run": "results",

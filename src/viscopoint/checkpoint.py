@@ -50,7 +50,7 @@ class Progress(BaseModel):
     start: list[Number]  # the account at the start, see ``ledger``
     before: list[Number]
     rows: Annotated[list[list[Number]], Field(min_length=1)]  # at the snapshots
-    marks: list[Count]  # of the outputs
+    marks: list[tuple[Count, Count]]  # of the outputs, see ``output.Writer``
 
 
 class Checkpoint(NamedTuple):
@@ -186,7 +186,8 @@ def _file(folder: Path, step: int) -> Path:
 
 def _newest_first(folder: Path) -> list[Path]:
     """Return a run folder's checkpoints; there may be other files beside them."""
-    return sorted((folder / FOLDER).glob(f"{9 * '[0-9]'}.safetensors"), reverse=True)
+    found = (folder / FOLDER).glob(f"{9 * '[0-9]'}.safetensors")
+    return sorted(filter(Path.is_file, found), reverse=True)
 
 
 def _checksum(text: str, state: Mapping[str, Rows]) -> str:

@@ -5,6 +5,7 @@ import errno
 import gc
 import io
 import sys
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -294,7 +295,7 @@ def _messages() -> Any:
     from viscopoint.errors import OutputError, ViscopointError
 
     try:
-        with interruption.raising():
+        with interruption.raising(), _warnings():
             yield
     except ViscopointError as error:
         typer.echo(f"viscopoint: {error}", err=True)
@@ -305,12 +306,31 @@ def _messages() -> Any:
     except OSError as error:
         if error.errno == errno.EPIPE:  # who reads has had enough
             raise
-        typer.echo(f"viscopoint: {one_line(str(error))}", err=True)
+        where = "" if error.filename or error.errno != errno.ENOSPC else "standard output: "
+        typer.echo(f"viscopoint: {where}{one_line(str(error))}", err=True)
         raise typer.Exit(OutputError.exit_code) from None
     except KeyboardInterrupt as error:
         typer.echo("viscopoint: interrupted", err=True)
         name = "SIGTERM" if isinstance(error, interruption.Terminated) else "SIGINT"
         raise typer.Exit(interruption.exit_code(name)) from None
+
+
+@contextlib.contextmanager
+def _warnings() -> Iterator[None]:
+    """Print our warnings as our messages; those of others as usual."""
+    from viscopoint.errors import ViscopointWarning
+
+    usual = warnings.showwarning
+
+    def show(words: Warning | str, category: type[Warning], *where: Any) -> None:
+        if issubclass(category, ViscopointWarning):
+            typer.echo(f"viscopoint: {words}", err=True)
+        else:
+            usual(words, category, *where)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
 
 
 class _Company:

@@ -51,6 +51,10 @@ class OutputError(ViscopointError):
     exit_code = 3
 
 
+class ViscopointWarning(UserWarning):
+    """What whoever started the work should know of, although it goes on."""
+
+
 def nearest(word: str, allowed: Iterable[str]) -> str:
     """Return what is allowed instead of ``word``, the nearest first if one is near."""
     names = sorted(allowed)

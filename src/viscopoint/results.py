@@ -15,7 +15,7 @@ from viscopoint import memory
 from viscopoint.body import Body
 from viscopoint.case import LONGEST_FILE, Case
 from viscopoint.errors import InputError
-from viscopoint.folder import CASE, FIGURES, PROVENANCE, SUMMARY
+from viscopoint.folder import CASE, FIGURES, PROVENANCE, SUMMARY, is_folder
 from viscopoint.gauges import profile
 from viscopoint.ledger import UNITS
 from viscopoint.method import Field
@@ -70,6 +70,8 @@ class Run:
     def __init__(self, folder: str | Path) -> None:
         """Open a run folder; raise ``InputError`` if it is none or from another version."""
         self.folder = Path(folder)
+        if not is_folder(self.folder):
+            raise InputError(f"run folder {folder}: there is no such folder")
         self.provenance = self._json(PROVENANCE, LARGEST_PROVENANCE)
         if self.provenance.get("format") not in READABLE:
             found, known = self.provenance.get("format"), " and ".join(map(str, READABLE))

@@ -2,6 +2,7 @@
 
 import contextlib
 import shutil
+import warnings
 import weakref
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any, NamedTuple
 from viscopoint import checkpoint
 from viscopoint.case import Case
 from viscopoint.checkpoint import Checkpoint, Every, Keeper
-from viscopoint.errors import InputError
+from viscopoint.errors import InputError, ViscopointWarning
 from viscopoint.folder import (
     CASE,
     PROVENANCE,
@@ -33,6 +34,7 @@ from viscopoint.results import CORRUPT, Run
 from viscopoint.simulation import Simulation, Watch
 from viscopoint.sources import digest
 from viscopoint.summary import Summary
+from viscopoint.wording import one_line
 
 MOST_STEPS = 100_000_000
 USUAL_CHECKPOINTS = "60 s"
@@ -127,6 +129,9 @@ def resume(
         InputError: the folder holds no run, or one by other sources than these or of what was another case, or another
             process is at work there, or its checkpoints are damaged. Nothing was changed.
         OutputError: the results could not be written.
+
+    Warns:
+        ViscopointWarning: the last checkpoint is damaged, and the one before is taken.
     """
     folder = Path(folder)
     every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
@@ -158,7 +163,8 @@ def resume(
         if found and (found.progress.case, found.progress.sources) != (earlier.provenance["case"], digest()):
             raise InputError(f"run folder {folder}: its checkpoint is not of its {CASE} or of these sources")
         for fault in faults:
-            company.tell(f"checkpoint {fault}: taking the one before")
+            words = one_line(f"run folder {folder}: checkpoint {fault}; the one before is taken")
+            warnings.warn(words, ViscopointWarning, stacklevel=2)
         resumed = [*earlier.provenance.get("resumed", []), now()]
         return _compute(held, model, every, found, company, {"ended": None, "resumed": resumed})
 
@@ -185,6 +191,8 @@ def _compute(
     with disk_faults(folder, f"; once that is mended, `viscopoint resume {folder}` goes on"):
         begun = Run(folder).provenance
         with contextlib.ExitStack() as stack:
+            if found:
+                company.tell("reading what is there")
             writers = [stack.enter_context(contextlib.closing(writer)) for writer in _writers(folder, model, found)]
             keeper = Keeper(held, every, digest(), begun["case"])
             company.tell("going on" if found else "starting; the first time this compiles")
@@ -213,8 +221,8 @@ def _writers(folder: Path, model: Model, found: Checkpoint | None) -> list[Write
     if found is None:
         return [make(folder, model.body, None) for make in WRITERS]
     try:
-        places, snapshots = found.progress.marks, len(found.progress.rows)
-        return [make(folder, model.body, Mark(place, snapshots)) for make, place in zip(WRITERS, places, strict=True)]
+        marks, snapshots = found.progress.marks, len(found.progress.rows)
+        return [make(folder, model.body, Mark(*mark, snapshots)) for make, mark in zip(WRITERS, marks, strict=True)]
     except CORRUPT as error:
         if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno):
             raise

@@ -75,7 +75,8 @@ def _ending(run: Run) -> str:
     parts = results.elements or results.points
     pace = parts * max(results.steps - 1, 0) / max(results.wall_time, 1e-3) / 1e6
     gone = run.rows[-1].lost if run.rows else 0
-    lost = f", {gone} {'elements deleted' if results.elements else 'points left the box'}" if gone else ""
+    where = "elements deleted" if results.elements else "points left the box (method.box)"
+    lost = f", {gone} of {parts} {where}" if gone else ""
     ended = "complete" if run.status == "complete" else f"INCOMPLETE ({results.reason})"
     kind = "element" if results.elements else "point"
     work = f"{parts} {kind}s, {results.steps} steps in {results.wall_time:.2f} s"

@@ -68,7 +68,7 @@ def test_run_leaves_a_whole_run_folder_and_show_prints_it(tmp_path: Path):
         (["run", "paper", "--threads", "1000"], "this machine has"),
         (["reproduce", "--only", "fig9"], "figure 'fig9' is not known; did you mean"),
         (["reproduce", "--resolution", "finest"], "resolution 'finest' is not known; did you mean 'fine'"),
-        (["compare", "absent", "missing"], "run folder absent: has no provenance.json"),
+        (["compare", "absent", "missing"], "run folder absent: there is no such folder"),
     ],
 )
 def test_bad_input_gives_one_message_and_code_2_and_writes_nothing(

@@ -27,7 +27,7 @@ from viscopoint.errors import CaseError
 from viscopoint.fem import reading
 from viscopoint.fem.rod import layers, rod_mesh
 from viscopoint.output import Mark
-from viscopoint.output.fields import Fields
+from viscopoint.output.fields import Fields, check_of
 from viscopoint.untrusted import contents, table, toml
 from viscopoint.wording import one_line, unseen
 
@@ -299,7 +299,7 @@ def test_fields_of_what_is_not_in_their_file_are_refused(
     with pytest.raises(vp.InputError, match=rf"fields\.vtkhdf cannot be read \(.*{words}"):
         vp.Run(received).snapshot(-1)
     with pytest.raises(ValueError, match=words):  # as on resuming
-        Fields(received, vp.Run(finished).body, Mark(1, 1))
+        Fields(received, vp.Run(finished).body, Mark(1, check_of(outside, 1), 1))
     assert outside.read_bytes() == before
 
 
@@ -313,7 +313,7 @@ def test_times_that_are_none_are_refused(received: Path):
 def test_fields_are_not_set_back_to_snapshots_that_they_have_not(received: Path):
     run = vp.Run(received)
     with pytest.raises(ValueError, match="has not the 9 snapshots of the checkpoint"):
-        Fields(received, run.body, Mark(9, 9))
+        Fields(received, run.body, Mark(9, 0, 9))
     assert len(vp.Run(received).times) == len(run.times)
 
 

@@ -15,7 +15,7 @@ from viscopoint.results import Run, Snapshot
 TILT = np.radians(15.0)  # the camera looks down on the rod by this angle
 SEEN = ("position", "velocity", "lost", "deleted")  # the fields that pictures take
 WIDTH, LEAST, HIGHEST = 1.25, 1.6, 3.4  # of one picture, and its bounds in height, inches
-LEFT, RIGHT, TOP, BELOW, GAP = 0.65, 1.2, 0.35, 0.5, 0.35  # room for words around and between the pictures, inches
+LEFT, RIGHT, TOP, BELOW, GAP = 0.65, 1.4, 0.35, 0.5, 0.35  # room for words around and between the pictures, inches
 
 
 @offer("shapes")

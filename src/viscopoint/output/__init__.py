@@ -18,7 +18,8 @@ from viscopoint.method import Field
 class Mark(NamedTuple):
     """Where an output had come to as a checkpoint was written."""
 
-    place: int  # what ``mark`` returned
+    place: int  # as it counts: bytes, snapshots
+    check: int  # CRC-32 of all up to there
     snapshots: int  # that it had seen
 
 
@@ -40,8 +41,8 @@ class Writer(Protocol):
         """Take all fields at a snapshot [ms]."""
         ...
 
-    def mark(self) -> int:
-        """Return where the output has come to, which is on the disk for good."""
+    def mark(self) -> tuple[int, int]:
+        """Return where the output has come to, which is on the disk for good, and the CRC-32 of all up to there."""
         ...
 
     def close(self) -> None:

@@ -9,6 +9,7 @@ import errno
 import math
 import os
 import shutil
+import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
 KINDS = {1: 1, 4: 9, 8: 12}  # VTK's cell types by the number of corners: vertex, quadrilateral, hexahedron
 DATA = {"points": "PointData", "cells": "CellData"}
+ONCE = ("Connectivity", "Offsets", "Types")  # datasets that do not change
 CHUNK = 16_384  # greatest number of rows compressed together
 RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
 
@@ -39,7 +41,8 @@ class Fields:
     """Appends snapshots; the file is closed in between."""
 
     def __init__(self, folder: Path, body: Body, mark: Mark | None) -> None:
-        self.path, self.cells, self.count = folder / NAME, body.cells, mark.place if mark else 0
+        self.path, self.cells = folder / NAME, body.cells
+        self.count, self.check = (mark.place, mark.check) if mark else (0, 0)
         if mark:
             _check_mark(self.path, mark)
 
@@ -59,10 +62,10 @@ class Fields:
             if "VTKHDF" not in file:
                 _begin(file, fields, self.cells)
             _append(file["VTKHDF"], time, fields)
-        self.count += 1
+        self.count, self.check = self.count + 1, _sum(time, fields, self.check)
 
-    def mark(self) -> int:
-        return self.count
+    def mark(self) -> tuple[int, int]:
+        return self.count, self.check
 
     def close(self) -> None:
         pass
@@ -125,7 +128,7 @@ def _append(root: Any, time: float, fields: Mapping[str, Field]) -> None:
 
 
 def _check_mark(path: Path, mark: Mark) -> None:
-    """Raise ``ValueError`` unless the file has all snapshots that a mark speaks of."""
+    """Raise ``ValueError`` unless the file has all snapshots that a mark speaks of, as they were written."""
     if mark.place != mark.snapshots or not path.exists():
         raise ValueError(f"{NAME} has not the snapshots of the run")
     with opened(path) as file:
@@ -134,6 +137,32 @@ def _check_mark(path: Path, mark: Mark) -> None:
             if len(dataset) < length or _count(root["Steps"]) < mark.place:
                 raise ValueError(f"{NAME} has not the {mark.place} snapshots of the checkpoint")
             check_pieces(dataset, length - 1, length)  # to which the next rows are added
+        for name in ONCE:
+            rows(root[name], 0, len(root[name]))
+        if _sum_of(root, mark.place) != mark.check:
+            raise ValueError(f"{NAME} does not hold what was written")
+
+
+def check_of(path: Path, count: int) -> int:
+    """Return the CRC-32 of the first snapshots in a file, by which a mark knows them."""
+    with opened(path) as file:
+        return _sum_of(file["VTKHDF"], count)
+
+
+def _sum_of(root: Any, count: int) -> int:
+    check = 0
+    for number in range(count):
+        time = rows(root["Steps/Values"], number, number + 1)
+        check = _sum(float(time[0]), _snapshot(root, number), check)
+    return check
+
+
+def _sum(time: float, fields: Mapping[str, Field], check: int) -> int:
+    """Return the CRC-32 of what comes before a snapshot and of the snapshot."""
+    check = zlib.crc32(np.float64(time).tobytes(), check)
+    for name in sorted(fields.keys() - {INITIAL}):
+        check = zlib.crc32(np.ascontiguousarray(fields[name].values).data.cast("B"), check)
+    return check
 
 
 def _rewind(root: Any, count: int) -> None:
@@ -208,16 +237,19 @@ def times(path: Path) -> NDArray[np.float64]:
 def read(path: Path, number: int, only: Collection[str] | None = None) -> dict[str, Field]:
     """Return all fields of a snapshot, by its number, or ``only`` some, as far as they are there."""
     with opened(path) as file:
-        root = file["VTKHDF"]
-        counts = {"points": int(root["NumberOfPoints"][0]), "cells": int(root["NumberOfCells"][0])}
-        places = {"position": (root["Points"], int(root["Steps/PointOffsets"][number]), "points")}
-        for on, group in DATA.items():
-            offsets = root[f"Steps/{group}Offsets"]
-            places |= {name: (dataset, int(offsets[name][number]), on) for name, dataset in root[group].items()}
-        if only is not None:
-            places = {name: place for name, place in places.items() if name in only}
-        _ensure_memory(min(len(dataset), counts[on]) * _row(dataset) for dataset, _, on in places.values())
-        return {name: _rows(dataset, offset, counts[on], on) for name, (dataset, offset, on) in places.items()}
+        return _snapshot(file["VTKHDF"], number, only)
+
+
+def _snapshot(root: Any, number: int, only: Collection[str] | None = None) -> dict[str, Field]:
+    counts = {"points": int(root["NumberOfPoints"][0]), "cells": int(root["NumberOfCells"][0])}
+    places = {"position": (root["Points"], int(root["Steps/PointOffsets"][number]), "points")}
+    for on, group in DATA.items():
+        offsets = root[f"Steps/{group}Offsets"]
+        places |= {name: (dataset, int(offsets[name][number]), on) for name, dataset in root[group].items()}
+    if only is not None:
+        places = {name: place for name, place in places.items() if name in only}
+    _ensure_memory(min(len(dataset), counts[on]) * _row(dataset) for dataset, _, on in places.values())
+    return {name: _rows(dataset, offset, counts[on], on) for name, (dataset, offset, on) in places.items()}
 
 
 def _rows(dataset: Any, offset: int, count: int, on: Any) -> Field:

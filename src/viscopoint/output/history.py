@@ -1,6 +1,7 @@
 """``history.csv``: one line per row of the ledger, units in the header."""
 
 import csv
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from viscopoint.method import Field
 from viscopoint.output import Mark, offer
 
 NAME = "history.csv"
+BLOCK = 2**20  # bytes read at once
 HEADINGS = [f"{name} [{unit}]" for name, unit in UNITS.items()]
 
 
@@ -22,10 +24,12 @@ class History:
     """Writes lines as they come, so that an interrupted run keeps them."""
 
     def __init__(self, folder: Path, body: Body, mark: Mark | None) -> None:
-        path, self.place = folder / NAME, mark.place if mark else 0
-        if mark and not _ends_line(path, mark.place):
+        self.path, self.place, self.check = folder / NAME, mark.place if mark else 0, mark.check if mark else 0
+        if mark and not _ends_line(self.path, mark.place):
             raise ValueError(f"{NAME} is cut off")
-        self.file = path.open("a", newline="", encoding="utf-8")
+        if mark and _sum(self.path, 0, mark.place) != mark.check:
+            raise ValueError(f"{NAME} is not what was written")
+        self.file = self.path.open("a", newline="", encoding="utf-8")
         self.table = csv.writer(self.file)
 
     def begin(self) -> None:
@@ -39,9 +43,11 @@ class History:
     def snapshot(self, time: float, fields: Mapping[str, Field]) -> None:
         self.file.flush()
 
-    def mark(self) -> int:
+    def mark(self) -> tuple[int, int]:
         sync(self.file)
-        return self.file.tell()
+        start, self.place = self.place, self.file.tell()
+        self.check = _sum(self.path, start, self.place, self.check)
+        return self.place, self.check
 
     def close(self) -> None:
         self.file.close()
@@ -54,6 +60,15 @@ def _ends_line(path: Path, place: int) -> bool:
     with path.open("rb") as file:
         file.seek(place - 1)
         return file.read(1) == b"\n"
+
+
+def _sum(path: Path, start: int, end: int, check: int = 0) -> int:
+    """Return the CRC-32 of a part of a file, or of what comes before and that part."""
+    with path.open("rb") as file:
+        file.seek(start)
+        while block := file.read(min(end - file.tell(), BLOCK)):
+            check = zlib.crc32(block, check)
+    return check
 
 
 def read(path: Path) -> dict[str, NDArray[np.float64]]:

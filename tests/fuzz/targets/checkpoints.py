@@ -99,8 +99,8 @@ def _spoilt_list(choices: Choices, values: list[Any]) -> list[Any]:
     if chance(choices, 30) or not values:
         return values[: choices.integer(0, len(values))]
     place, spoilt = choices.integer(0, len(values) - 1), list(values)
-    if isinstance(values[place], list):
-        spoilt[place] = _spoilt_list(choices, values[place])
+    if isinstance(values[place], (list, tuple)):
+        spoilt[place] = type(values[place])(_spoilt_list(choices, list(values[place])))
     elif isinstance(values[place], int):
         spoilt[place] = one_of(choices, (-1, 0, 10**9, 2**63))
     else:

@@ -17,7 +17,7 @@ from edits import edited
 
 from viscopoint.errors import InputError
 from viscopoint.output import Mark
-from viscopoint.output.fields import NAME, Fields
+from viscopoint.output.fields import NAME, Fields, check_of
 from viscopoint.results import CORRUPT, Run
 
 MODULES = (
@@ -39,6 +39,7 @@ class Target:
         with h5py.File(seeds / NAME, "r") as file:
             file.visit(self.names.append)
         self.body = Run(self.folder).body
+        self.mark = Mark(1, check_of(seeds / NAME, 1), 1)
         self.check()
 
     def lay(self, choices: Choices) -> str:
@@ -62,7 +63,7 @@ class Target:
         for number in range(min(len(run.times), 3)):
             run.profile(run.snapshot(number))
         try:
-            Fields(self.folder, self.body, Mark(1, 1))  # as on resuming
+            Fields(self.folder, self.body, self.mark)  # as on resuming
         except CORRUPT as error:
             raise InputError(f"fields: {error!r}") from None
 

@@ -21,6 +21,7 @@ from viscopoint.model import build
 MODULES = ("viscopoint.errors", "viscopoint.checkpoint")
 CASE = {"method.spacing": "1.9 mm", "method.geometry": "axisymmetric", "time.end": "4 us", "time.snapshots": ["2 us"]}
 WILD = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e-320, 1e308, -1e308, 1e15, 255.0, 2.0**31, 2.0**63)
+WILD_COUNTS = (-1, 0, 10**9, 2**63)
 GO_ON = 3  # percent of what is whole: to resume takes longer than to read
 
 
@@ -79,7 +80,7 @@ class Target:
             if isinstance(value, float):
                 setattr(progress, name, one_of(choices, WILD))
             elif isinstance(value, int):
-                setattr(progress, name, one_of(choices, (-1, 0, 10**9, 2**63)))
+                setattr(progress, name, one_of(choices, WILD_COUNTS))
             elif isinstance(value, list):
                 setattr(progress, name, _spoilt_list(choices, value))
             told.append(f"{name}: {getattr(progress, name)!r:.200}")
@@ -99,10 +100,12 @@ def _spoilt_list(choices: Choices, values: list[Any]) -> list[Any]:
     if chance(choices, 30) or not values:
         return values[: choices.integer(0, len(values))]
     place, spoilt = choices.integer(0, len(values) - 1), list(values)
-    if isinstance(values[place], (list, tuple)):
-        spoilt[place] = type(values[place])(_spoilt_list(choices, list(values[place])))
+    if isinstance(values[place], list):
+        spoilt[place] = _spoilt_list(choices, values[place])
+    elif isinstance(values[place], tuple):  # a place and a checksum, or it could not be written
+        spoilt[place] = tuple(one_of(choices, (number, *WILD_COUNTS)) for number in values[place])
     elif isinstance(values[place], int):
-        spoilt[place] = one_of(choices, (-1, 0, 10**9, 2**63))
+        spoilt[place] = one_of(choices, WILD_COUNTS)
     else:
         spoilt[place] = one_of(choices, WILD)
     return spoilt

@@ -306,8 +306,7 @@ def _messages() -> Any:
     except OSError as error:
         if error.errno == errno.EPIPE:  # who reads has had enough
             raise
-        where = "" if error.filename or error.errno != errno.ENOSPC else "standard output: "
-        typer.echo(f"viscopoint: {where}{one_line(str(error))}", err=True)
+        typer.echo(f"viscopoint: {one_line(str(error))}", err=True)
         raise typer.Exit(OutputError.exit_code) from None
     except KeyboardInterrupt as error:
         typer.echo("viscopoint: interrupted", err=True)

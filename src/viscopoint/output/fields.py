@@ -161,7 +161,7 @@ def _sum(time: float, fields: Mapping[str, Field], check: int) -> int:
     """Return the CRC-32 of what comes before a snapshot and of the snapshot."""
     check = zlib.crc32(np.float64(time).tobytes(), check)
     for name in sorted(fields.keys() - {INITIAL}):
-        check = zlib.crc32(np.ascontiguousarray(fields[name].values).data.cast("B"), check)
+        check = zlib.crc32(np.ascontiguousarray(fields[name].values).data, check)
     return check
 
 

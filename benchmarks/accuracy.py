@@ -32,7 +32,7 @@ SPACINGS = (0.76, 0.38, 0.19)  # mm
 USUAL = 0.38
 TIMES = ("5 us", "10 us", "20 us", "40 us", "60 us")
 REFERENCE = (0.38, 0.19, 0.095)  # mm; finer ones are torn where waves focus on the axis
-RELATIVE = ("foot_radius", "greatest_radius", "kinetic", "wall_impulse")  # in per cent of themselves
+RELATIVE = ("impact_face_radius", "greatest_radius", "kinetic", "wall_impulse")  # in per cent of themselves
 PAPER_GRID, TWO = 0.5 / 0.38, 2.0  # spacings to a cell
 
 
@@ -147,7 +147,7 @@ def cost() -> None:
 class Errors(NamedTuple):
     """How far a run is from the limit at one time, in per cent; what is not an error says what it is."""
 
-    foot_radius: float
+    impact_face_radius: float
     greatest_radius: float
     velocity: float  # of the impact speed
     kinetic: float

@@ -108,7 +108,7 @@ DRAWN = {
 
 def convergence(everything: Everything) -> Figure:
     """Draw the size of each error at 20 µs over the spacing, for each material."""
-    quantities = ("foot_radius", "velocity", "kinetic", "wall_impulse", "outline")
+    quantities = ("impact_face_radius", "velocity", "kinetic", "wall_impulse", "outline")
     figure = Figure(figsize=(13.0, 11.0), layout="constrained")
     axes = figure.subplots(len(CASES), len(quantities), sharex=True)
     for (name, label), line in zip(CASES.items(), axes, strict=True):

@@ -39,7 +39,7 @@ class Measured(NamedTuple):
     asked: tuple[tuple[int, str], ...]  # snapshot and quantity
 
 
-AT_20 = ("foot_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
+AT_20 = ("impact_face_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
 PAPER_RINGS = Measured(
     sizes=(0.76, 0.38, 0.19, 0.095, 0.0475),
     changes={"time.end": "60 us", "time.snapshots": ["5 us", "10 us", "20 us", "40 us"]},
@@ -48,7 +48,7 @@ PAPER_RINGS = Measured(
         *((n, name) for n in (4, 5) for name in ("length", *AT_20)),
     ),
 )
-COPPER_RINGS = Measured((0.64, 0.32, 0.16), {}, ((4, "length"), (4, "foot_radius")))
+COPPER_RINGS = Measured((0.64, 0.32, 0.16), {}, ((4, "length"), (4, "impact_face_radius")))
 
 
 class Limit(NamedTuple):
@@ -115,7 +115,7 @@ def results(runs: dict[tuple[str, str, float], vp.Run]) -> None:
             internal = row.stored + row.dissipated
             energy = run.results.initial_energy
             rows.append([
-                case, element, f"{size}", f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.foot_radius:.4f}",
+                case, element, f"{size}", f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.impact_face_radius:.4f}",
                 f"{row.greatest_radius:.4f}", f"{row.velocity:.3f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.3f}",
                 f"{100 * row.hourglass / internal:.2f}", f"{100 * row.numerical / energy:+.2f}",
             ])  # fmt: skip
@@ -143,7 +143,7 @@ def rebounds(runs: dict[tuple[str, str, float], vp.Run]) -> None:
 
 def limits(runs: dict[tuple[str, str, float], vp.Run]) -> None:
     """Print orders and limits for both elements, and how far they are apart."""
-    asked = [(name, 3) for name in AT_20] + [("length", 4), ("foot_radius", 4)]
+    asked = [(name, 3) for name in AT_20] + [("length", 4), ("impact_face_radius", 4)]
     head = ["case", "quantity", *(f"{element} {part}" for element in ELEMENTS for part in ("values", "order", "limit"))]
     rows = []
     for case in PAPER:
@@ -169,12 +169,12 @@ def copper() -> None:
         end: Row = run.rows[-1]
         share = 100 * end.hourglass / (end.stored + end.dissipated)
         rows.append([
-            element, f"{size:.3f}", f"{end.length:.4f}", f"{end.foot_radius:.4f}", str(run.results.steps),
+            element, f"{size:.3f}", f"{end.length:.4f}", f"{end.impact_face_radius:.4f}", str(run.results.steps),
             f"{share:.2f}", f"{run.results.energy_error:.2f}",
         ])  # fmt: skip
     table(head.split(","), rows)
     for element in ELEMENTS:
-        for name in ("length", "foot_radius"):
+        for name in ("length", "impact_face_radius"):
             sizes = COPPER_SIZES[element]
             values = [float(getattr(runs[element, h].rows[-1], name)) for h in sizes]
             found = limit(values, sizes)

@@ -26,7 +26,7 @@ from viscopoint.simulation import Outcome, Simulation
 CASES = ("paper", "paper-65", "paper-6.5", "paper-elastic")
 METHODS = ("mpm", "tlmpm", "fem")
 DOUBLE, SINGLE = {"method.precision": "double"}, {"method.precision": "single"}
-MEASURED = ("length", "foot_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
+MEASURED = ("length", "impact_face_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
 SIZES = ("21k", "169k")
 BLOCK, REPEATS = 400_000, 15  # steps of a part in a block; blocks of each precision
 

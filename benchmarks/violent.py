@@ -52,7 +52,7 @@ def show(speed: int) -> None:
         for number, row in enumerate(run.rows[1:], 1):
             least, shape = worst(run, number)
             rows.append([
-                VARIANTS[key].label, f"{row.time * 1e3:.4g}", f"{row.length:.3f}", f"{row.foot_radius:.3f}",
+                VARIANTS[key].label, f"{row.time * 1e3:.4g}", f"{row.length:.3f}", f"{row.impact_face_radius:.3f}",
                 f"{row.greatest_radius:.3f}", f"{row.velocity:.2f}", f"{row.kinetic:.0f}", f"{row.wall_impulse:.2f}",
                 f"{least:.3f}", shape, f"{np.round(row.time_step / first, 3):g}", str(row.lost),
                 f"{run.results.energy_error:.2f}",

@@ -9,7 +9,7 @@ from viscopoint.reproduction import Reproduction, reproduce
 
 SMALL = {
     "method.cell": "1 mm",
-    "method.spacing": "0.7 mm",
+    "method.spacing": "0.72 mm",
     "time.end": "2 us",
     "time.snapshots": ["1 us"],
 }

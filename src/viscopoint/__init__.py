@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from viscopoint.case import Case, packaged
     from viscopoint.comparison import Comparison, compare
-    from viscopoint.errors import CaseError, InputError, OutputError, ViscopointError, ViscopointWarning
+    from viscopoint.errors import CaseError, InputError, OutputError, ResultWarning, ViscopointError, ViscopointWarning
     from viscopoint.reproduction import Reproduction, reproduce
     from viscopoint.results import Run, Snapshot
     from viscopoint.running import resume, run
@@ -30,6 +30,7 @@ __all__ = [
     "InputError",
     "OutputError",
     "Reproduction",
+    "ResultWarning",
     "Run",
     "Snapshot",
     "ViscopointError",
@@ -49,6 +50,7 @@ _HOME = {
     "compare": "comparison",
     "InputError": "errors",
     "OutputError": "errors",
+    "ResultWarning": "errors",
     "ViscopointError": "errors",
     "ViscopointWarning": "errors",
     "Reproduction": "reproduction",

@@ -16,6 +16,10 @@ class Surface(NamedTuple):
     tail: Indices  # [column, 2], points of the last two layers; the rod ends ``reach`` of their distance further
     foot: Indices  # [column, 2], the same at the foot
     reach: float
+    near: float  # what is no higher than this above the lowest point of the surface is in contact with the wall, mm
+
+
+EXACT = 1e-3  # of the radius: ``Surface.near`` of surfaces that nodes or points stand on
 
 
 def half_height(body: "Body") -> float:

@@ -1,7 +1,7 @@
 """A case: all that a simulation needs to know, read from TOML with units and checked as a whole."""
 
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Self, Union
@@ -57,13 +57,21 @@ class Case(Table):
     output: Output = Output()
 
     @classmethod
-    def load(cls, source: str | Path, changes: Mapping[str, Any] | None = None, *, method: str | None = None) -> Self:
+    def load(
+        cls,
+        source: str | Path,
+        changes: Mapping[str, Any] | None = None,
+        *,
+        method: str | None = None,
+        mend: Callable[[dict[str, Any]], dict[str, Any]] | None = None,
+    ) -> Self:
         """Read a packaged case by its name, or a TOML file by its path.
 
         Args:
             source: such as "paper", or "my/case.toml".
             changes: values by dotted key, such as ``{"rod.radius": "4 mm"}``, put over those of the file.
             method: "mpm", "fem" or "tlmpm", to use in place of the case's own at the same distance of points or nodes.
+            mend: puts the tables of an older file into present words.
 
         Raises:
             InputError: there is no such case, or it is not TOML.
@@ -71,6 +79,7 @@ class Case(Table):
         """
         try:
             tables = _with_base(_located(_read(source), Path(source)), str(source))
+            tables = mend(tables) if mend else tables
             if method is not None:
                 tables = tables | {"method": _replaced(cls.from_tables(tables, str(source)).method, method)}
             for key, value in (changes or {}).items():
@@ -103,8 +112,9 @@ class Case(Table):
         return self.from_tables(result, "the changed case")
 
     def resolved(self) -> Self:
-        """Return the case with what it leaves to be derived from other keys (the box) spelt out."""
-        return self.model_copy(update={"method": self.method.completed(self.rod, self.impact)})
+        """Return the case with what it leaves to be derived from other keys (the box, how often to write) spelt out."""
+        method, output = self.method.completed(self.rod, self.impact, self.time), self.output.completed(self.time)
+        return self.model_copy(update={"method": method, "output": output})
 
     def to_tables(self) -> dict[str, Any]:
         """Return the tables of a TOML file that gives this case, with defaults."""

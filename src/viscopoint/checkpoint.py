@@ -46,10 +46,11 @@ class Progress(BaseModel):
     step: Count
     time_step: NotNegative  # ms
     busy: NotNegative  # s
-    errors: tuple[NotNegative, NotNegative]  # greatest so far, of energy (a share) and momentum, N ms
+    errors: tuple[NotNegative, NotNegative, NotNegative]  # greatest so far, see ``Simulation``
     start: list[Number]  # the account at the start, see ``ledger``
-    before: list[Number]
-    rows: Annotated[list[list[Number]], Field(min_length=1)]  # at the snapshots
+    internal: NotNegative  # energy, the greatest so far, mJ
+    before: list[float]  # lengths may be not a number
+    rows: Annotated[list[list[float]], Field(min_length=1)]  # at the snapshots
     marks: list[tuple[Count, Count]]  # of the outputs, see ``output.Writer``
 
 

@@ -350,8 +350,10 @@ class _Company:
 def _followed() -> Iterator[_Company]:
     """Show how a run goes; print its results and exit as it ended."""
     from viscopoint import terminal
+    from viscopoint.errors import ResultWarning
 
-    with interruption.ending_at_once(), terminal.progress("reading") as progress:
+    with interruption.ending_at_once(), terminal.progress("reading") as progress, warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResultWarning)  # below the table
         company = _Company(progress)
         yield company
     done = company.done
@@ -360,7 +362,7 @@ def _followed() -> Iterator[_Company]:
     if done.status == "interrupted":
         typer.echo(f"viscopoint: go on with `viscopoint resume {one_line(str(done.folder))}`", err=True)
         raise typer.Exit(interruption.exit_code(done.results.signal))
-    raise typer.Exit(0 if done.status == "complete" else 1)
+    raise typer.Exit(0 if done.results.is_complete else 1)
 
 
 def _use_threads(threads: int | None) -> None:

@@ -55,6 +55,10 @@ class ViscopointWarning(UserWarning):
     """What whoever started the work should know of, although it goes on."""
 
 
+class ResultWarning(ViscopointWarning):
+    """A result is less than it seems; the run's summary says so too."""
+
+
 def nearest(word: str, allowed: Iterable[str]) -> str:
     """Return what is allowed instead of ``word``, the nearest first if one is near."""
     names = sorted(allowed)

@@ -4,12 +4,16 @@
   of the surface. Points of a lattice stand inside it, from R0 = R - spacing to R at the start: the straight line
   through their present over their first distances from the axis, fitted by least squares, is read at R. (Present times
   R / R0 is off by 1 % where a mushroom's foot is stretched unevenly.) Nodes on the surface show it by their mean.
-- The **foot radius** is that of the lowest layer, the **greatest radius** the largest of all.
-- Points that were lost, and what belongs to deleted elements only, count no more: the lowest layer is then the lowest
-  that is left.
+- The **contact radius** is the greatest of the surface no higher above the lowest point than ``Surface.near``, so of
+  what is on the wall, or would touch it first. From a layer that is on the wall to the next the outline is straight.
+- The **impact face's radius** is that of the lowest layer of material. With friction the side rolls onto the wall, and
+  the contact is larger; a rim that curls up makes it smaller.
+- The **greatest radius** is the largest of all layers.
 - The **length** runs from the lowest point of the foot to the highest of the tail. A lattice ends half a spacing
   beyond its last layer: each column is prolonged by half the present distance of its last two points, so that an
   undeformed rod of n layers measures n spacings.
+- A length that would be read from points some of which are lost (outside the box, or of deleted elements alone) is not
+  a number.
 """
 
 from typing import NamedTuple
@@ -27,7 +31,8 @@ class Gauges(NamedTuple):
     """Lengths in mm."""
 
     length: float
-    foot_radius: float
+    contact_radius: float
+    impact_face_radius: float
     greatest_radius: float
     lowest_point: float  # of the points themselves
     highest_point: float
@@ -55,21 +60,40 @@ def profile(surface: Surface, position: Array) -> tuple[Array, Array]:
 
 def measure(surface: Surface, position: Array) -> Gauges:
     """Measure the rod; see the module's words on how."""
-    _, radius = profile(surface, position)
+    height, radius = profile(surface, position)
     x, y, z = position.T
-    # fmax and fmin leave out not-a-number
     tail, foot = _ends(surface.tail, z, surface.reach), _ends(surface.foot, z, surface.reach)
-    lowest, highest = np.fmin.reduce(z), np.fmax.reduce(z)
-    top, bottom = np.fmax.reduce(tail), np.fmin.reduce(foot)
-    there = radius[np.isfinite(radius)]
+    ring_is_whole = not np.isnan(position[surface.ring[surface.ring >= 0], 2]).any()
     return Gauges(
-        length=float((top if np.isfinite(top) else highest) - (bottom if np.isfinite(bottom) else lowest)),
-        foot_radius=float(there[0]) if len(there) else np.nan,
-        greatest_radius=float(np.fmax.reduce(radius)),
-        lowest_point=float(lowest),
-        highest_point=float(highest),
-        widest_point=float(np.sqrt(np.fmax.reduce(x**2 + y**2))),
+        length=float(tail.max() - foot.min()),  # not a number if one of them is not
+        contact_radius=_contact_radius(surface, position, height, radius) if ring_is_whole else np.nan,
+        impact_face_radius=float(radius[0]) if ring_is_whole else np.nan,
+        greatest_radius=float(radius.max()) if ring_is_whole else np.nan,
+        lowest_point=float(z.min()),
+        highest_point=float(z.max()),
+        widest_point=float(np.sqrt((x**2 + y**2).max())),
     )
+
+
+def _contact_radius(surface: Surface, position: Array, height: Array, radius: Array) -> float:
+    """Return the greatest radius of the surface no higher above its lowest point than ``surface.near`` [mm]."""
+    face = position[surface.foot[:, 0]]
+    most = min(float(face[:, 2].min()), float(height.min())) + surface.near
+    if height[0] > most:  # the rim is off the wall: only a part of the impact face is on it
+        inside = face[~np.isin(surface.foot[:, 0], surface.ring[0])]
+        from_axis = np.hypot(inside[:, 0], inside[:, 1])
+        order = np.argsort(from_axis, kind="stable")
+        radius, height = np.append(from_axis[order], radius), np.append(inside[order, 2], height)
+    on = height <= most
+    touching, found = np.flatnonzero(on), [np.nan]
+    found += radius[touching].tolist()
+    for here, beyond in ((-1, 1), (1, -1)):  # the straight line to a neighbour that is higher, up or down the outline
+        there = touching + beyond
+        there = there[(there >= 0) & (there < len(on))]
+        there = there[~on[there]]
+        share = (most - height[there + here]) / (height[there] - height[there + here])
+        found += (radius[there + here] + share * (radius[there] - radius[there + here])).tolist()
+    return float(np.fmax.reduce(found))
 
 
 def _ends(columns: Indices, z: Array, reach: float) -> Array:

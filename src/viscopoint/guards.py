@@ -4,21 +4,26 @@ import math
 
 from viscopoint.errors import ViscopointError
 from viscopoint.inputs import Guards
-from viscopoint.ledger import Row
-from viscopoint.method import Method
+from viscopoint.ledger import MEASURED, Row
+from viscopoint.method import Method, Totals
 
 
 class GuardError(ViscopointError):
     """A guard stopped the run; what was computed so far is kept."""
 
 
-def check_row(row: Row, initial_energy: float, limits: Guards, method: Method) -> None:
-    """Stop if a quantity is not finite or the energy ledger does not close."""
-    for name, value in zip(row._fields, row, strict=True):
-        if not math.isfinite(value):
-            cause = method.advice.lost if row.lost else method.advice.unstable
-            raise _stopped(row.time, f"{name} is not finite", cause)
-    share = row.numerical / initial_energy
+def check_row(row: Row, start: Totals, limits: Guards, method: Method) -> None:
+    """Stop if a quantity is not finite, the energy ledger does not close, or too much is lost or taken by hourglassing.
+
+    Args:
+        row: to check.
+        start: energies and mass at the start.
+        limits: what the case allows.
+        method: what moves the body.
+    """
+    _check_finite(row, method)
+    initial = start.kinetic + start.stored
+    share = row.numerical / initial
     if abs(share) > limits.energy_error:
         gone, cause = ("lost", method.advice.dissipating) if share > 0.0 else ("gained", method.advice.gaining)
         raise _stopped(
@@ -27,6 +32,40 @@ def check_row(row: Row, initial_energy: float, limits: Guards, method: Method) -
             f"(guards.energy_error allows {100 * limits.energy_error:g} %)",
             cause,
         )
+    if max(row.lost_mass / start.mass, row.eroded / initial) > limits.lost_share:
+        stored = f" and {100 * row.eroded / initial:.2g} % of the initial energy" if row.eroded else ""
+        allowed = f" (guards.lost_share allows {100 * limits.lost_share:g} %)"
+        raise _stopped(row.time, lost_in_words(row, start.mass, method) + stored + allowed, method.advice.lost)
+    if row.hourglass_share > 100 * limits.hourglass_share:
+        raise _stopped(
+            row.time,
+            f"hourglass control took {row.hourglass_share:.1f} % of the internal energy "
+            f"(guards.hourglass_share allows {100 * limits.hourglass_share:g} %)",
+            method.advice.hourglassing,
+        )
+
+
+def is_finite(row: Row) -> bool:
+    """Return whether a row holds numbers, but for lengths where points were lost."""
+    return _not_finite(row) is None
+
+
+def lost_in_words(row: Row, mass: float, method: Method) -> str:
+    """Say what left the box or was deleted, of a body of some mass [g]."""
+    return f"{row.lost} {method.advice.losses}, {100 * row.lost_mass / mass:.2g} % of the mass"
+
+
+def _check_finite(row: Row, method: Method) -> None:
+    if name := _not_finite(row):
+        cause = method.advice.lost if row.lost else method.advice.unstable
+        raise _stopped(row.time, f"{name} is not finite", cause)
+
+
+def _not_finite(row: Row) -> str | None:
+    """Return the first quantity that is not finite and should be."""
+    excused = MEASURED if row.lost else ()
+    quantities = zip(row._fields, row, strict=True)
+    return next((name for name, value in quantities if not math.isfinite(value) and name not in excused), None)
 
 
 def check_step(time: float, first: float, limits: Guards, method: Method) -> None:

@@ -1,9 +1,10 @@
 """The tables of a case that every method shares, and what all tables have in common."""
 
+import math
 from abc import abstractmethod
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from viscopoint.method import Method
 
 MOST_SNAPSHOTS = 10_000
+MOST_ROWS = 10_000  # of history, if the case does not say how many
 
 
 class Table(BaseModel):
@@ -88,8 +90,10 @@ class MethodInput(Table):
     def at_resolution(cls, distance: float) -> dict[str, Any]:
         """Return the table of this method, as a case has it, for a distance of points or nodes [mm]."""
 
+    finer: ClassVar[str]  # what to change where the body's mass is not the rod's
+
     @abstractmethod
-    def completed(self, rod: "Rod", impact: "Impact") -> Self:
+    def completed(self, rod: "Rod", impact: "Impact", time: "Time") -> Self:
         """Return the table with what it leaves to be derived from other tables."""
 
     def files(self) -> tuple[Path, ...]:
@@ -119,6 +123,23 @@ class Rod(Table):
     radius: Length
     length: Length
 
+    @property
+    def volume(self) -> float:
+        """Return π R² L [mm^3]."""
+        return math.pi * self.radius**2 * self.length
+
+
+def _names_the_wall(wall: Any) -> Any:
+    """Say what to take for what "symmetry" promised, and was not: two rods that meet part again."""
+    if wall == "symmetry":
+        told = (
+            'is not known; allowed: "rigid", or "no-separation", which holds the impact face on the wall for good, '
+            'free to slide. For a symmetric test, rod on equal rod, take "rigid" without friction at half the closing '
+            "speed"
+        )
+        raise PydanticCustomError("word", told)  # pyright: ignore[reportArgumentType]
+    return wall
+
 
 class Impact(Table):
     """The rod flies at ``speed`` towards -z; the wall is ``gap`` below its foot."""
@@ -126,20 +147,23 @@ class Impact(Table):
     speed: Speed
     gap: Gap = 0.0
     friction: float = Field(default=0.0, ge=0, le=10)
-    wall: Literal["rigid", "symmetry"] = "rigid"
+    wall: Annotated[Literal["rigid", "no-separation"], BeforeValidator(_names_the_wall)] = "rigid"
 
     def boundary(self) -> RigidWall | Symmetry:
-        """Return what the rod hits: an anvil, or its own mirror image, off which the foot never comes."""
+        """Return what the rod hits: an anvil that it can leave, or rollers that hold its impact face for good."""
         height = 0.0 - self.gap  # not the negative zero
         return RigidWall(height, self.friction) if self.wall == "rigid" else Symmetry(2, height)
 
 
 @rule("impact.wall", "impact.gap", "impact.friction")
-def symmetry_from_the_start(wall: str, gap: float, friction: float) -> str | None:
+def no_separation_from_the_start(wall: str, gap: float, friction: float) -> str | None:
     if wall == "rigid" or (gap == 0.0 and friction == 0.0):
         return None
     given = f"not {gap:g} mm and {friction:g}"
-    return f'"symmetry" holds the foot from the start, free to slide: impact.gap and impact.friction must be 0, {given}'
+    told = (
+        '"no-separation" holds the impact face from the start, free to slide: impact.gap and impact.friction must be 0'
+    )
+    return f"{told}, {given}"
 
 
 def _not_too_many(snapshots: Any) -> Any:
@@ -169,9 +193,20 @@ class Guards(Table):
 
     energy_error: float = Field(default=0.05, gt=0)  # numerical remainder over initial kinetic energy
     smallest_step: float = Field(default=1e-3, gt=0, lt=1)  # stable step over the first one
+    mass_error: float = Field(default=0.05, gt=0)  # computed mass less the rod's, over the rod's; refused at the start
+    lost_share: float = Field(default=0.01, ge=0)  # mass, or initial energy, that left the box or was deleted
+    hourglass_share: float = Field(default=0.1, gt=0)  # taken by hourglass control over the internal energy
 
 
 class Output(Table):
-    """How often to write a line of history (0: every step)."""
+    """How often to write a line of history.
 
-    history_interval: Instant = 0.0
+    0: every step; by default too, unless the run takes more than ``MOST_ROWS`` steps: then about as many rows.
+    """
+
+    history_interval: Instant | None = None
+
+    def completed(self, time: Time) -> "Output":
+        """Return the table with its interval spelt out."""
+        usual = {"history_interval": time.end / MOST_ROWS}
+        return self if self.history_interval is not None else self.model_copy(update=usual)

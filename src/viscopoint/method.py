@@ -56,11 +56,13 @@ class Totals(NamedTuple):
 class Advice(NamedTuple):
     """What a method is likely to suffer from, in the words of a guard that stops it."""
 
-    lost: str  # nothing is left to measure
+    lost: str  # too much left the box, or was deleted
     unstable: str  # a quantity is not finite
     dissipating: str  # energy is lost
     gaining: str  # energy is gained
     collapsed: str  # the stable step became tiny
+    hourglassing: str = ""  # the control of hourglass modes took much of the internal energy; empty: there are none
+    losses: str = "points lost"  # what is counted as lost
 
 
 class Method(Protocol):
@@ -89,6 +91,10 @@ class Method(Protocol):
 
     def lost(self) -> int:
         """Return how many points left the region that the method covers, or elements were deleted."""
+        ...
+
+    def lost_mass(self) -> float:
+        """Return the mass of what ``lost`` counts [g]."""
         ...
 
     def weakest(self) -> str:

@@ -13,8 +13,9 @@ import numba
 from viscopoint.sources import digest
 from viscopoint.wording import one_line
 
-# of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums
-FORMAT, READABLE = 6, (5, 6)
+# of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums;
+# 7: contact radius, mass, losses
+FORMAT, READABLE = 7, (5, 6, 7)
 PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
 
 

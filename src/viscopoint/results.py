@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from viscopoint import memory
+from viscopoint import memory, older
 from viscopoint.body import Body
 from viscopoint.case import LONGEST_FILE, Case
 from viscopoint.errors import InputError
@@ -82,10 +82,14 @@ class Run:
             wrong = error.errors()[0]["loc"][0]
             raise InputError(f"run folder {folder}: {PROVENANCE} is not that of a run: see {wrong}") from None
         self.summary = self._json(SUMMARY, LARGEST_SUMMARY)
+        self.is_older = older.is_older(self.provenance)
         try:
+            if self.is_older:
+                snapshots = [older.quantities(dict(row), None) for row in self.summary.get("snapshots", [])]
+                self.summary |= {"snapshots": snapshots}
             self.results = Summary.model_validate(self.summary)
             self.rows = self.results.rows()
-        except (ValidationError, TypeError):
+        except (ValidationError, TypeError, ValueError):
             raise InputError(f"run folder {folder}: {SUMMARY} is not the summary of a run") from None
 
     def __repr__(self) -> str:
@@ -93,19 +97,29 @@ class Run:
 
     @property
     def status(self) -> str:
-        """How the run ended: "complete", "stopped" (by a guard), "interrupted"; or "running"."""
+        """How the run ended: "complete", "complete with losses", "stopped" (by a guard), "interrupted"; or "running".
+
+        With losses: points left the box or elements were deleted; lengths that need them are not numbers.
+        """
         return str(self.summary["status"])
 
     @functools.cached_property
     def case(self) -> Case:
         """The case with every default spelt out."""
-        return Case.load(self._file(CASE, LONGEST_FILE))
+        return Case.load(self._file(CASE, LONGEST_FILE), mend=older.tables if self.is_older else None)
 
     @functools.cached_property
     def body(self) -> Body:
         """The rod's points at the start, as the case gives them; ``InputError`` if they would not fit here."""
         memory.check(self.case.method.need(self.case.rod), memory.machine())
-        return self.case.method.body(self.case.rod)
+        today = self.case.method.body(self.case.rod)
+        if not (self.is_older and len(today.cells)):
+            return today
+        try:
+            first = field_file.read(self._file(field_file.NAME), 0, ("position", "displacement"))
+            return older.body(today, first["position"].values - first["displacement"].values)
+        except CORRUPT as error:
+            raise self._unreadable(field_file.NAME, error) from None
 
     @functools.cached_property
     def columns(self) -> dict[str, NDArray[np.float64]]:
@@ -115,6 +129,8 @@ class Run:
         except (OSError, ValueError, csv.Error) as error:
             raise self._unreadable(history_file.NAME, error) from None
         time = columns.get("time", np.empty(0))
+        if self.is_older:
+            columns = older.quantities(columns, np.full(len(time), np.nan))
         whole = not set(UNITS) - set(columns) and len(time) > 0 and bool((np.diff(time) > 0.0).all())
         if not whole or (self.rows and not time[-1] >= self.rows[-1].time):
             raise self._unreadable(history_file.NAME, "a part of it is missing")

@@ -4,7 +4,7 @@ import contextlib
 import shutil
 import warnings
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, NamedTuple
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from viscopoint import checkpoint
 from viscopoint.case import Case
 from viscopoint.checkpoint import Checkpoint, Every, Keeper
-from viscopoint.errors import InputError, ViscopointWarning
+from viscopoint.errors import InputError, ResultWarning, ViscopointWarning
 from viscopoint.folder import (
     CASE,
     PROVENANCE,
@@ -33,7 +33,7 @@ from viscopoint.provenance import now, provenance
 from viscopoint.results import CORRUPT, Run
 from viscopoint.simulation import Simulation, Watch
 from viscopoint.sources import digest
-from viscopoint.summary import Summary
+from viscopoint.summary import ENDED, Summary
 from viscopoint.wording import one_line
 
 MOST_STEPS = 100_000_000
@@ -77,6 +77,9 @@ def run(
         InputError: the folder is already there or cannot be made, or the case would take forever or does not fit into
             memory.
         OutputError: the results could not be written.
+
+    Warns:
+        ResultWarning: the body has not the rod's mass, some of it was lost, or hourglass control took much energy.
     """
     every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
     if out is not None:
@@ -84,6 +87,8 @@ def run(
     company.tell("building the model")
     model = build(case)
     _bound_steps(model)
+    doubts = Summary.of_start(model).warnings
+    _warn(doubts)
     temporary = Path(mkdtemp(prefix="viscopoint-")) if out is None else None
     folder = temporary / "run" if temporary else Path(out or "")
     try:
@@ -92,7 +97,7 @@ def run(
             kept = kept.model_copy(update={"method": kept.method.kept_in(fresh)})
             write_text(fresh / CASE, kept.to_toml())
             write_json(fresh / PROVENANCE, provenance() | {"case": _hashed(fresh, kept)})
-            _write_summary(fresh, Summary.of_start(model.body))
+            _write_summary(fresh, Summary.of_start(model))
             made = fresh.stat()
         with alone(folder, made) as held:
             result = _compute(held, model, every, None, company)
@@ -102,6 +107,7 @@ def run(
         raise
     if temporary:
         weakref.finalize(result, shutil.rmtree, temporary, ignore_errors=True)
+    _warn(result.results.warnings[len(doubts) :])
     return result
 
 
@@ -132,6 +138,7 @@ def resume(
 
     Warns:
         ViscopointWarning: the last checkpoint is damaged, and the one before is taken.
+        ResultWarning: as ``run`` does.
     """
     folder = Path(folder)
     every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
@@ -139,7 +146,7 @@ def resume(
     _check_own(folder)
     with alone(folder) as held:
         earlier = Run(folder)
-        if earlier.status in ("complete", "stopped"):
+        if earlier.status in ENDED:
             with disk_faults(folder):
                 return _finished(earlier, company)
         if earlier.provenance.get("sources") != digest():
@@ -166,7 +173,9 @@ def resume(
             words = one_line(f"run folder {folder}: checkpoint {fault}; the one before is taken")
             warnings.warn(words, ViscopointWarning, stacklevel=2)
         resumed = [*earlier.provenance.get("resumed", []), now()]
-        return _compute(held, model, every, found, company, {"ended": None, "resumed": resumed})
+        result = _compute(held, model, every, found, company, {"ended": None, "resumed": resumed})
+    _warn(result.results.warnings)
+    return result
 
 
 def _compute(
@@ -203,13 +212,13 @@ def _compute(
                 checkpoint.remove_after(folder, found.progress.step)
             if news:
                 write_json(folder / PROVENANCE, begun | news)
-                _write_summary(folder, Summary.of_start(model.body))
+                _write_summary(folder, Summary.of_start(model))
             for writer in writers:
                 writer.begin()
             outcome = simulation.run()
         held.check()
-        start = simulation.ledger.start.kinetic
-        _write_summary(folder, Summary.of_start(model.body).ended(outcome, start))
+        start, advice = simulation.ledger.start.kinetic, model.method.advice
+        _write_summary(folder, Summary.of_start(model).ended(outcome, start, advice))
         result = Run(folder)
         write_json(folder / PROVENANCE, result.provenance | {"ended": now()})
         result = Run(folder)
@@ -254,6 +263,12 @@ def _check_own(folder: Path) -> None:
             raise InputError(
                 f"run folder {folder}: {path.name} is a link or a device; only a folder of plain files can be resumed"
             )
+
+
+def _warn(texts: Iterable[str]) -> None:
+    """Tell whoever called ``run`` or ``resume`` what makes its numbers less than they seem."""
+    for text in texts:
+        warnings.warn(one_line(text), ResultWarning, stacklevel=3)
 
 
 def _keep_silent(words: str) -> None:

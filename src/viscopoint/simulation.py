@@ -8,20 +8,21 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from viscopoint.checkpoint import Checkpoint, Keeper
-from viscopoint.guards import GuardError, check_row, check_step
+from viscopoint.guards import GuardError, check_row, check_step, is_finite, lost_in_words
 from viscopoint.interruption import Stop
 from viscopoint.ledger import Ledger, Row, row_of
 from viscopoint.model import Model
 from viscopoint.output import Writer
 
 Watch = Callable[[float, Row], None]
+LOSSES = "complete with losses"  # the status of a run that came to its end without some of its points or elements
 SAME_TIME = 1e-9  # relative: two instants of a case that differ by less are one
 
 
 class Outcome(NamedTuple):
     """How a run ended."""
 
-    status: Literal["complete", "stopped", "interrupted"]
+    status: Literal["complete", "complete with losses", "stopped", "interrupted"]
     reason: str  # why, if it is not complete
     signal: str  # that interrupted it, such as "SIGINT"
     rows: list[Row]  # at the snapshots
@@ -29,6 +30,7 @@ class Outcome(NamedTuple):
     wall_time: float  # s, of the steps and the ledger, less the first step, which may compile
     energy_error: float  # greatest share of the initial energy that was ever missing
     momentum_error: float  # greatest difference ever of momentum gained and impulse received, N ms
+    hourglass_share: float  # greatest ever, %
 
 
 class Simulation:
@@ -48,7 +50,7 @@ class Simulation:
         self.ledger = Ledger(model.method, model.body.surface)
         self.time, self.step, self.time_step, self.busy = 0.0, 0, 0.0, 0.0
         self.rows: list[Row] = []
-        self.errors = (0.0, 0.0)  # of energy and momentum
+        self.errors = (0.0, 0.0, 0.0)  # of energy and momentum, and the share of hourglass energy: the greatest so far
         self.first_step = model.method.stable_step()
 
     @np.errstate(all="ignore")  # guards tell what is not finite, once
@@ -62,6 +64,8 @@ class Simulation:
             self._keep_last_state()
         except KeyboardInterrupt:
             status, reason = "interrupted", f"interrupted after t = {self.time * 1e3:.4g} us"
+        if status == "complete" and self.ledger.before.lost:
+            status, reason = LOSSES, lost_in_words(self.ledger.before, self.ledger.start.mass, self.model.method)
         signal = self.stop.asked if status == "interrupted" else ""  # one that came in the last step changes nothing
         return Outcome(status, reason, signal, self.rows, self.step, self.busy, *self.errors)
 
@@ -78,12 +82,14 @@ class Simulation:
         rows = [row_of(values) for values in progress.rows]
         instants, newest = [0.0, *self._instants()], row_of(progress.before)
         ordered = rows[-1].time <= newest.time <= progress.time <= instants[-1]
+        if not all(map(is_finite, (*rows, newest))):
+            raise ValueError("its numbers are not finite")
         if [row.time for row in rows] != instants[: len(rows)] or not ordered:
             raise ValueError("its times are not those of the case")
         if not np.allclose(progress.start, self.ledger.start.flat(), rtol=1e-9):
             raise ValueError("it does not begin as the case does")
         self.model.method.restore(checkpoint.state)
-        self.ledger.restore(progress.start, progress.before)
+        self.ledger.restore(progress.start, progress.before, progress.internal)
         self.time, self.step, self.time_step = progress.time, progress.step, progress.time_step
         self.busy, self.errors = progress.busy, progress.errors
         self.rows = rows
@@ -94,7 +100,8 @@ class Simulation:
         self.keeper.write(
             self.model.method.state(),
             time=self.time, step=self.step, time_step=self.time_step, busy=self.busy, errors=self.errors,
-            start=self.ledger.start.flat(), before=list(self.ledger.before), rows=[list(row) for row in self.rows],
+            start=self.ledger.start.flat(), before=list(self.ledger.before), internal=self.ledger.internal,
+            rows=[list(row) for row in self.rows],
             marks=[writer.mark() for writer in self.writers],
         )  # fmt: skip
 
@@ -110,7 +117,7 @@ class Simulation:
     def _advance_to(self, instant: float) -> Row:
         """Step to an instant exactly, in steps of equal length as far as the stable step allows."""
         method, case = self.model.method, self.model.case
-        row = self.ledger.before
+        row, between = self.ledger.before, case.output.history_interval or 0.0
         while self.time < instant:
             began = clock.perf_counter()
             left = math.ceil((instant - self.time) / method.stable_step() * (1 - SAME_TIME))
@@ -118,7 +125,7 @@ class Simulation:
             method.advance(dt)
             self.time = instant if left <= 1 else self.time + dt
             self.step, self.time_step = self.step + 1, dt
-            if left <= 1 or self.time - row.time >= case.output.history_interval:
+            if left <= 1 or self.time - row.time >= between:
                 row = self._record(dt)
             check_step(self.time, self.first_step, case.guards, method)
             self.busy += clock.perf_counter() - began if self.step > 1 else 0.0
@@ -135,9 +142,10 @@ class Simulation:
             writer.row(row)
         if self.watch:
             self.watch(self.time / self.model.case.time.end, row)
-        energy = self.ledger.start.kinetic + self.ledger.start.stored
-        self.errors = (max(self.errors[0], abs(row.numerical) / energy), max(self.errors[1], row.momentum_error))
-        check_row(row, energy, self.model.case.guards, self.model.method)
+        start = self.ledger.start
+        now = (abs(row.numerical) / (start.kinetic + start.stored), row.momentum_error, row.hourglass_share)
+        self.errors = tuple(map(max, self.errors, now))
+        check_row(row, start, self.model.case.guards, self.model.method)
         return row
 
     def _keep_last_state(self) -> None:
@@ -147,7 +155,7 @@ class Simulation:
             row = self.ledger.row(self.time, self.step, self.time_step)
             for writer in self.writers:
                 writer.row(row)
-        if all(map(math.isfinite, row)) and (not self.rows or row.time > self.rows[-1].time):
+        if is_finite(row) and (not self.rows or row.time > self.rows[-1].time):
             self._snapshot(row)
 
     def _snapshot(self, row: Row) -> None:

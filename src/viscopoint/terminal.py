@@ -1,6 +1,7 @@
 """What the command line shows: progress, and the results of a run."""
 
 import contextlib
+import math
 import sys
 from collections.abc import Callable, Iterator
 
@@ -9,6 +10,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from rich.table import Table
 
 from viscopoint.results import Run
+from viscopoint.simulation import LOSSES
 from viscopoint.wording import one_line
 
 COLUMNS = (
@@ -48,16 +50,16 @@ def console() -> Console:
 def print_summary(run: Run) -> None:
     """Print a table of the snapshots and how the run ended."""
     meshed = run.results.elements > 0
-    heads = ("length", "foot r", "greatest r", "velocity", "kinetic", "impulse", "hourglass", "ledger", "lost")
-    units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "mJ", "%", "elements" if meshed else "points")
+    heads = ("length", "contact r", "greatest r", "velocity", "kinetic", "impulse", "hourglass", "ledger", "lost")
+    units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "%", "%", "elements" if meshed else "points")
     table = Table("time\nus", *(f"{head}\n{unit}" for head, unit in zip(heads, units, strict=True)), box=None)
     for column in table.columns:
         column.justify = "right"
     for row in run.rows:
         ledger = 100.0 * row.numerical / run.results.initial_energy
         table.add_row(
-            f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.foot_radius:.3f}", f"{row.greatest_radius:.3f}",
-            f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{row.hourglass:.1f}",
+            f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.contact_radius:.3f}", f"{row.greatest_radius:.3f}",
+            f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{row.hourglass_share:.1f}",
             f"{ledger:+.2f}", str(row.lost),
         )  # fmt: skip
     screen = console()
@@ -65,6 +67,8 @@ def print_summary(run: Run) -> None:
         screen.print(run.case.title, markup=False)
     screen.print(table)
     screen.print(_ending(run), markup=False, soft_wrap=True)
+    for text in run.results.warnings:
+        screen.print(f"WARNING: {one_line(text)}", markup=False, soft_wrap=True)
 
 
 def _ending(run: Run) -> str:
@@ -74,17 +78,18 @@ def _ending(run: Run) -> str:
         return f"not finished: still running, or killed; {folder}"
     parts = results.elements or results.points
     pace = parts * max(results.steps - 1, 0) / max(results.wall_time, 1e-3) / 1e6
-    gone = run.rows[-1].lost if run.rows else 0
-    where = "elements deleted" if results.elements else "points left the box (method.box)"
-    lost = f", {gone} of {parts} {where}" if gone else ""
     ended = "complete" if run.status == "complete" else f"INCOMPLETE ({results.reason})"
+    if run.status == LOSSES:
+        ended = f"{LOSSES} ({results.reason})"
     kind = "element" if results.elements else "point"
     work = f"{parts} {kind}s, {results.steps} steps in {results.wall_time:.2f} s"
-    ledger = f"ledger within {results.energy_error:.2f} % of the initial kinetic energy"
+    excess = round(results.mass_error, 2) + 0.0  # not the negative zero
+    mass = f"mass {results.mass:.4g} g ({excess:+.2f} %), " if math.isfinite(results.mass) else ""
+    ledger = f"{mass}ledger within {results.energy_error:.2f} % of the initial kinetic energy"
     mesh = ""
     if results.mesh:
         mesh = (
             f"mesh: {results.points} nodes, least scaled Jacobian {results.mesh.least_jacobian:.2f}, greatest aspect "
             f"{results.mesh.greatest_aspect:.2f}\n"
         )
-    return f"{mesh}{ended}: {work} ({pace:.1f} M {kind}-steps/s), {ledger}{lost}\n{folder}"
+    return f"{mesh}{ended}: {work} ({pace:.1f} M {kind}-steps/s), {ledger}\n{folder}"

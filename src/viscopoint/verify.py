@@ -7,13 +7,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from viscopoint import older
 from viscopoint.errors import InputError
 from viscopoint.interruption import raise_for
 from viscopoint.results import Run
 from viscopoint.running import Tell, run
 from viscopoint.simulation import Watch
+from viscopoint.summary import ENDED
 
 TIMED = {"wall_time"}  # of the summary, what differs from one run to the next
+UNKNOWN = {"mass", "mass_error", "hourglass_share", "warnings", "units", "snapshots"}  # to older formats, or in others
 MOST_TOLD = 10  # differences
 
 
@@ -58,7 +61,7 @@ def verify(folder: str | Path, *, watch: Watch | None = None, tell: Tell | None 
         KeyboardInterrupt: somebody wants to end it.
     """
     earlier = Run(folder)
-    if earlier.status not in ("complete", "stopped"):
+    if earlier.status not in ENDED:
         raise InputError(f"run folder {folder}: not finished ({earlier.status}), so there is nothing to compare with")
     again = run(earlier.case, figures=False, checkpoint_every="never", watch=watch, tell=tell)
     if again.status == "interrupted":
@@ -85,9 +88,13 @@ def compare_bits(one: Run, other: Run) -> Verdict:
 def _pairs(one: Run, other: Run) -> Iterator[tuple[str, NDArray[Any], NDArray[Any]]]:
     """Yield what is to be the same, piece by piece."""
     nothing = np.empty(0)
+    both = not (one.is_older or other.is_older)
     for name in dict.fromkeys([*one.columns, *other.columns]):
+        if name in older.ADDED and not both:
+            continue
         yield f"{name} in the history", one.columns.get(name, nothing), other.columns.get(name, nothing)
-    results = one.results.model_dump(exclude=TIMED), other.results.model_dump(exclude=TIMED)
+    left_out = TIMED if both else TIMED | UNKNOWN
+    results = one.results.model_dump(exclude=left_out), other.results.model_dump(exclude=left_out)
     words = [np.array(sorted(f"{key}: {value}" for key, value in result.items())) for result in results]
     yield "the summary", words[0], words[1]
     yield "times of the snapshots", one.times, other.times

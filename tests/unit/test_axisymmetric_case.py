@@ -28,7 +28,7 @@ def test_an_undeformed_rod_measures_what_the_case_says(changes: dict[str, str], 
     simulation = Simulation(build(vp.Case.load("paper", changes, method=method).with_(ROUND)))
     start = simulation.ledger.start
     row = simulation.ledger.row(0.0, 0, 0.0)
-    assert (row.length, row.foot_radius, row.greatest_radius) == pytest.approx((length, 3.8, 3.8), rel=1e-12)
+    assert (row.length, row.impact_face_radius, row.greatest_radius) == pytest.approx((length, 3.8, 3.8), rel=1e-12)
     assert start.mass == pytest.approx(1e-3 * 3.141592653589793 * 3.8**2 * length, rel=1e-12)
     assert start.kinetic == pytest.approx(0.5 * start.mass * 150.0**2, rel=1e-12)
     assert tuple(start.momentum) == pytest.approx((0.0, 0.0, -150.0 * start.mass), rel=1e-12)

@@ -44,7 +44,7 @@ def test_half_section_fills_the_rod_exactly(size: float, grading: float):
     assert (body.position[:, 0].min(), np.ptp(body.position[:, 1])) == (0.0, 0.0)
     assert quality(body.position, body.cells).least_jacobian == pytest.approx(1.0)
     shape = measure(body.surface, body.position)
-    assert (shape.length, shape.foot_radius, shape.greatest_radius) == pytest.approx((LENGTH, RADIUS, RADIUS))
+    assert (shape.length, shape.impact_face_radius, shape.greatest_radius) == pytest.approx((LENGTH, RADIUS, RADIUS))
     # first layers are no thicker than asked, columns neither
     assert body.position[1, 0] <= size * (1 + 1e-9)
     assert body.position[body.surface.ring[1, 0], 2] <= size * (1 + 1e-9)
@@ -161,7 +161,7 @@ def test_material_points_of_a_half_plane_are_turned_at_their_spacing():
     z = np.repeat(np.linspace(0.5, layers - 0.5, layers) * h, columns)
     index = np.arange(len(x)).reshape(layers, columns)
     ends = [np.column_stack([index[a], index[b]]) for a, b in ((-1, -2), (0, 1))]
-    surface = Surface(index[:, -1:], np.array([1.75]), 2.0, ends[0], ends[1], 0.5)
+    surface = Surface(index[:, -1:], np.array([1.75]), 2.0, ends[0], ends[1], 0.5, 0.0)
     body = Body(np.column_stack([x, 0 * x, z]), 2 * np.pi * x * h**2, surface)
     assert spacing(body) == pytest.approx(h)
     found = surface_points(body)

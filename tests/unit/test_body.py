@@ -23,7 +23,7 @@ def test_an_undeformed_rod_measures_its_lattice():
     body = rod_lattice(3.8, 25.4, 0.38)
     gauges = measure(body.surface, body.position)
     assert gauges.length == pytest.approx(67 * 0.38)
-    assert gauges.foot_radius == gauges.greatest_radius == pytest.approx(3.8)
+    assert gauges.impact_face_radius == gauges.greatest_radius == pytest.approx(3.8)
 
 
 def test_gauges_follow_a_homogeneous_stretch():
@@ -112,7 +112,7 @@ def test_rings_measure_radius_and_length_exactly():
     body = rod_rings(3.8, 25.4, 0.38)
     gauges = measure(body.surface, body.position)
     assert gauges.length == pytest.approx(25.4, rel=1e-14)
-    assert gauges.foot_radius == gauges.greatest_radius == pytest.approx(3.8, rel=1e-14)
+    assert gauges.impact_face_radius == gauges.greatest_radius == pytest.approx(3.8, rel=1e-14)
     assert gauges.widest_point < 3.8
     assert body.surface.ring.shape == (67, 3 * (19 + 17))  # the outer two rings
     assert len(body.position) == 67 * 3 * 10**2
@@ -154,7 +154,7 @@ def test_trimmed_lattice_measures_radius_and_length_exactly():
     body = rod_trimmed(3.8, 25.4, 0.38)
     gauges = measure(body.surface, body.position)
     assert gauges.length == pytest.approx(25.4, rel=1e-14)
-    assert gauges.foot_radius == gauges.greatest_radius == pytest.approx(3.8, rel=1e-14)
+    assert gauges.impact_face_radius == gauges.greatest_radius == pytest.approx(3.8, rel=1e-14)
     assert gauges.widest_point < 3.8
     assert body.surface.ring.shape[0] == 66  # an even number of layers
     stretched = measure(body.surface, body.position * [1.2, 1.2, 0.7])

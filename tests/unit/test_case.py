@@ -196,9 +196,9 @@ def test_default_box_reaches_from_the_wall_around_the_rod():
     case = vp.Case.from_tables(tables)
     box = box_of(case)
     assert box.x == (-4 * 3.8, 4 * 3.8)
-    assert box.z == (-0.01, 2 * 25.4)
+    assert box.z == (-0.01, 2 * 25.4 + 150.0 * 20e-3)  # and as high as it can fly
     thick = box_of(case.with_(rod={"radius": "20 mm"}, impact={"gap": "5 mm"}))  # the box follows
-    assert (thick.x, thick.z) == ((-80.0, 80.0), (-5.0, 2 * 25.4))
+    assert (thick.x, thick.z) == ((-80.0, 80.0), (-5.0, 2 * 25.4 + 150.0 * 20e-3))
 
 
 def test_choices_of_the_material_point_method_reach_it():

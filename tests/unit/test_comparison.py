@@ -167,7 +167,7 @@ def test_numbers_of_the_file_are_those_of_the_runs(finished: Path, finished_fem:
     tables = json.loads(json.dumps(found.to_tables(), allow_nan=False))
     last = tables["snapshots"][-1]["runs"]["quick"]
     row = vp.Run(finished).rows[-1]
-    for name in ("length", "foot_radius", "velocity", "kinetic", "numerical"):
+    for name in ("length", "impact_face_radius", "velocity", "kinetic", "numerical"):
         assert last[name] == getattr(row, name)
     assert set(last) == set(tables["units"])
 
@@ -183,7 +183,7 @@ def test_the_command_prints_a_table_and_leaves_numbers_and_figures(finished: Pat
     code, out, messages = called(finished_fem, finished, "--out", tmp_path / "made")
     assert (code, messages) == (0, "")
     row = vp.Run(finished).rows[-1]
-    for shown in ("2 us", f"{row.foot_radius:.3f}", f"{row.velocity:.2f}", "outline, area between", "made"):
+    for shown in ("2 us", f"{row.impact_face_radius:.3f}", f"{row.velocity:.2f}", "outline, area between", "made"):
         assert shown in out
     names = {path.name for path in (tmp_path / "made").rglob("*") if path.is_file()}
     assert names == {"comparison.json", "outlines.png", "axis.png", "histories.png", "energies.png"}

@@ -17,7 +17,7 @@ MAXWELL = f'law="maxwell", shear="140 MPa", {STANDARD}'
 NO_SPRING = f'law="linear-viscoelastic", shear_short="140 MPa", shear_long="0 MPa", {STANDARD}'
 
 
-CASE = {"method.cell": "1 mm", "method.spacing": "0.7 mm", "time.snapshots": "[]", "time.end": "1 us"}
+CASE = {"method.cell": "1 mm", "method.spacing": "0.72 mm", "time.snapshots": "[]", "time.end": "1 us"}
 
 
 def velocity_after_impact(package: Path, material: str, place: Path, cache: dict[str, str]) -> float:

@@ -22,6 +22,8 @@ from viscopoint.mpm.inputs import MPMInput
 SHORT = {"method.size": "1.9 mm", "time.end": "2 us", "time.snapshots": ["1 us"]}
 FAST = {"method.size": "1.5 mm", "method.safety": 0.5, "impact.speed": "1000 m/s", "time.snapshots": []}
 
+LOSSES_ALLOWED = {"guards.lost_share": 1.0, "guards.hourglass_share": 1.0}
+
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> vp.Run:
@@ -31,8 +33,12 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> vp.Run:
 @pytest.fixture(scope="module")
 def eroded() -> vp.Run:
     """A run so fast that elements are deleted, and which goes on without them."""
-    changes = FAST | {"method.delete_below": 0.1, "time.end": "16 us", "time.snapshots": ["4 us"]}
-    return vp.run(vp.Case.load("paper", changes, method="fem"), figures=False)
+    changes = FAST | {"method.delete_below": 0.1, "time.end": "16 us", "time.snapshots": ["4 us"]} | LOSSES_ALLOWED
+    with pytest.warns(vp.ResultWarning) as told:
+        run = vp.run(vp.Case.load("paper", changes, method="fem"), figures=False)
+    assert "elements deleted" in str(told[0].message)
+    assert "hourglass control took" in str(told[1].message)
+    return run
 
 
 def call(*words: str | Path) -> tuple[int, str, str]:
@@ -106,7 +112,7 @@ def test_the_command_line_chooses_the_method_and_names_the_folder_by_it(
             "method.size: 0.38 mm, graded by 100, makes layers thicker",
         ),
         (["--method", "fem", "--set", "method.mesh_unit=1 m"], "1000 mm has no effect without method.mesh"),
-        (["--set", "impact.wall=symmetry"], 'impact.wall: "symmetry" holds the foot from the start'),
+        (["--set", "impact.wall=no-separation"], 'impact.wall: "no-separation" holds the impact face from the start'),
     ],
 )
 def test_bad_input_gives_one_message_and_code_2_and_writes_nothing(
@@ -225,7 +231,7 @@ def test_the_last_state_of_a_stopped_run_has_its_own_time(tmp_path: Path):
 
 
 def test_with_deletion_the_run_goes_on_and_counts(eroded: vp.Run):
-    assert eroded.status == "complete"
+    assert eroded.status == "complete with losses"
     assert [row.lost for row in eroded.rows][:2] == [0, 0]
     last, deleted = eroded.rows[-1], eroded.snapshot(-1)["deleted"]
     assert last.lost == np.count_nonzero(deleted) > 0
@@ -250,7 +256,7 @@ def shown_area(run: vp.Run, number: int, shown: Any, tilt: float) -> float:
 
 def test_a_rod_is_drawn_as_its_silhouette(done: vp.Run):
     # what is turned away is not drawn, and a convex body covers its silhouette once
-    section, end = 2 * 3.8 * 25.4, done.body.volume.sum() / 25.4
+    section, end = 2 * done.body.surface.start[0] * 25.4, done.body.volume.sum() / 25.4
     assert shown_area(done, 0, faces.outside, 0.0) == pytest.approx(section)
     assert shown_area(done, 0, faces.cut_open, 0.0) == pytest.approx(section)
     tilted = section * np.cos(0.3) + end * np.sin(0.3)

@@ -7,9 +7,12 @@ import viscopoint as vp
 from viscopoint.guards import GuardError, check_row, check_step
 from viscopoint.inputs import Guards
 from viscopoint.ledger import Row
-from viscopoint.method import Advice
+from viscopoint.method import Advice, Totals
 
-METHOD: Any = SimpleNamespace(advice=Advice(*["because"] * 5), weakest=lambda: "element 7 is thin")
+METHOD: Any = SimpleNamespace(
+    advice=Advice._make(["because"] * 6 + ["points lost"]), weakest=lambda: "element 7 is thin"
+)
+START: Any = Totals.of_flat([100.0, *[0.0] * 14, 1.0])
 ROW = Row._make([0] * len(Row._fields))._replace(time=0.0123, numerical=1.0)
 
 
@@ -18,7 +21,7 @@ def at_step(step: float) -> Any:
 
 
 def test_a_sound_row_passes():
-    check_row(ROW, 100.0, Guards(), METHOD)
+    check_row(ROW, START, Guards(), METHOD)
     check_step(0.0, 1.0, Guards(), at_step(0.5))
 
 
@@ -26,14 +29,31 @@ def test_a_sound_row_passes():
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_what_is_not_finite_is_named_with_time_and_cause(name: str, value: float):
     with pytest.raises(GuardError, match=rf"t = 12.3 us: {name} is not finite. Likely cause"):
-        check_row(ROW._replace(**{name: value}), 100.0, Guards(), METHOD)
+        check_row(ROW._replace(**{name: value}), START, Guards(), METHOD)
 
 
 @pytest.mark.parametrize("missing", [5.1, -5.1])
 def test_an_open_energy_ledger_stops(missing: float):
     with pytest.raises(GuardError, match=r"5\.1 % of the initial kinetic energy \(guards.energy_error allows 5 %\)"):
-        check_row(ROW._replace(numerical=missing), 100.0, Guards(), METHOD)
-    check_row(ROW._replace(numerical=missing), 100.0, Guards(energy_error=0.06), METHOD)
+        check_row(ROW._replace(numerical=missing), START, Guards(), METHOD)
+    check_row(ROW._replace(numerical=missing), START, Guards(energy_error=0.06), METHOD)
+
+
+def test_losses_excuse_lengths_up_to_the_limit():
+    lossy = ROW._replace(numerical=0.0, lost=3, lost_mass=0.009, length=float("nan"))
+    check_row(lossy, START, Guards(), METHOD)
+    with pytest.raises(GuardError, match=r"3 points lost, 1.1 % of the mass \(guards.lost_share allows 1 %\)"):
+        check_row(lossy._replace(lost_mass=0.011), START, Guards(), METHOD)
+    with pytest.raises(GuardError, match=r"and 1\.1 % of the initial energy"):
+        check_row(lossy._replace(eroded=1.1), START, Guards(), METHOD)
+    with pytest.raises(GuardError, match="velocity is not finite"):
+        check_row(lossy._replace(velocity=float("nan")), START, Guards(), METHOD)
+
+
+def test_hourglassing_beyond_the_limit_stops():
+    check_row(ROW._replace(hourglass_share=9.9), START, Guards(), METHOD)
+    with pytest.raises(GuardError, match=r"took 10.1 % of the internal energy \(guards.hourglass_share allows 10 %\)"):
+        check_row(ROW._replace(hourglass_share=10.1), START, Guards(), METHOD)
 
 
 @pytest.mark.parametrize("step", [0.9e-3, 0.0, float("nan")])
@@ -53,10 +73,12 @@ def test_an_unstable_scheme_is_stopped_not_reported_as_a_result():
 
 def test_points_that_leave_the_box_are_counted():
     # the foot spreads beyond a box that is hardly wider than the rod
-    changes = {"method.box.x": ["-4 mm", "4 mm"], "guards.energy_error": 1.0}
-    run = vp.run(vp.Case.load("paper", changes), figures=False)
+    changes = {"method.box.x": ["-4 mm", "4 mm"], "guards.energy_error": 1.0, "guards.lost_share": 1.0}
+    with pytest.warns(vp.ResultWarning, match=r"\d+ points left the box, .* % of the mass"):
+        run = vp.run(vp.Case.load("paper", changes), figures=False)
     lost = run.summary["snapshots"][-1]["lost"]
     assert lost > 0
+    assert run.status == "complete with losses"
     snapshot = run.snapshot(-1)
     assert int(snapshot["lost"].sum()) == lost
     outside = abs(snapshot["position"][:, 0]) >= 4.0

@@ -66,7 +66,7 @@ def test_elements_of_a_file_are_counted_when_they_are_read(tmp_path: Path, monke
 
 
 def test_memory_that_is_gone_in_spite_of_the_estimate_is_told_in_the_same_words(monkeypatch: pytest.MonkeyPatch):
-    case = vp.Case.load("paper", {"method.spacing": "0.7 mm", "method.cell": "1 mm"})
+    case = vp.Case.load("paper", {"method.spacing": "0.72 mm", "method.cell": "1 mm"})
     monkeypatch.setattr(memory, "free", lambda: 1e12)
     monkeypatch.setattr("viscopoint.mpm.method.lattice", _no_memory)
     with pytest.raises(vp.InputError, match=r"method\.spacing: 0\.7 mm gives .* points: there was no memory left"):
@@ -160,7 +160,7 @@ def test_a_run_that_finds_no_memory_keeps_what_it_has_and_goes_on_when_there_is_
 
 
 def test_points_that_scatter_stop_a_run_before_their_grid_takes_all_memory(monkeypatch: pytest.MonkeyPatch):
-    changes = {"method.spacing": "0.7 mm", "method.cell": "1 mm", "time.end": "100 us", "time.snapshots": []}
+    changes = {"method.spacing": "0.72 mm", "method.cell": "1 mm", "time.end": "100 us", "time.snapshots": []}
     case = vp.Case.load("paper", changes)
     need = case.method.need(case.rod).size
     monkeypatch.setattr(grid, "NEGLIGIBLE", 0.0)
@@ -203,10 +203,10 @@ print(peak() - before, case.method.need(case.rod).size)
 """
 ROUND = "method.geometry=axisymmetric"
 ESTIMATED = [
-    ("mpm", "method.spacing", "0.7 mm", "0.15 mm", "method.cell=1 mm"),
-    ("mpm", "method.spacing", "0.7 mm", "0.15 mm", "method.cell=0.8 mm", "method.shape=gimp", "method.transfer=apic"),
+    ("mpm", "method.spacing", "0.72 mm", "0.15 mm", "method.cell=1 mm"),
+    ("mpm", "method.spacing", "0.72 mm", "0.15 mm", "method.cell=0.8 mm", "method.shape=gimp", "method.transfer=apic"),
     ("mpm", "method.spacing", "0.4 mm", "0.15 mm", "method.cell=0.4 mm", "method.transfer=fmpm"),
-    ("mpm", "method.spacing", "0.7 mm", "0.01 mm", "method.cell=0.8 mm", ROUND),
+    ("mpm", "method.spacing", "0.72 mm", "0.01 mm", "method.cell=0.8 mm", ROUND),
     ("tlmpm", "method.spacing", "0.6 mm", "0.15 mm"),
     ("tlmpm", "method.spacing", "0.6 mm", "0.01 mm", ROUND),
     ("fem", "method.size", "1.2 mm", "0.17 mm"),

@@ -17,7 +17,7 @@ from viscopoint.results import Snapshot
 
 FAST = {
     "method.size": "1.5 mm", "method.safety": 0.5, "method.delete_below": 0.1, "impact.speed": "1000 m/s",
-    "time.end": "16 us", "time.snapshots": ["4 us"],
+    "time.end": "16 us", "time.snapshots": ["4 us"], "guards.lost_share": 1.0, "guards.hourglass_share": 1.0,
 }  # fmt: skip
 
 
@@ -34,7 +34,8 @@ def scene(runs: dict[tuple[str, str], vp.Run]) -> Scene:
 @pytest.fixture(scope="module")
 def eroded() -> vp.Run:
     """A run so fast that elements are deleted."""
-    return vp.run(vp.Case.load("paper", FAST, method="fem"), figures=False)
+    with pytest.warns(vp.ResultWarning):
+        return vp.run(vp.Case.load("paper", FAST, method="fem"), figures=False)
 
 
 # --- surfaces ---
@@ -128,7 +129,7 @@ def test_surface_of_points_is_what_the_figures_show(finished: Path):
     assert radius[hidden].max() <= 3.8 - skin.edge
     assert height[hidden].min() > height.min()
     assert height[hidden].max() < height.max()
-    assert skin.edge == pytest.approx(0.7)
+    assert skin.edge == pytest.approx(0.72)
 
 
 def test_fewer_points_make_larger_cubes_in_the_same_places(finished: Path):

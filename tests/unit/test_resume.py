@@ -27,7 +27,7 @@ from viscopoint.model import build
 from viscopoint.output import fields as field_file
 from viscopoint.verify import compare_bits
 
-MPM = {"method.cell": "1 mm", "method.spacing": "0.7 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
+MPM = {"method.cell": "1 mm", "method.spacing": "0.72 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
 FEM = {"method.size": "1.2 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
 TLMPM = {"method.spacing": "0.6 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
 LENIENT = {"guards.energy_error": 0.5}  # a coarse rod of a few points

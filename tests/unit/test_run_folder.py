@@ -1,4 +1,5 @@
 import json
+import math
 import shutil
 from pathlib import Path
 
@@ -107,7 +108,7 @@ def test_summary_and_history_agree(finished: Path):
 
 def test_provenance_says_what_made_the_run(finished: Path):
     provenance = vp.Run(finished).provenance
-    assert provenance["format"] == 6
+    assert provenance["format"] == 7
     for key in ("viscopoint", "python", "numpy", "numba", "machine", "threads", "started", "ended"):
         assert provenance[key], key
 
@@ -121,12 +122,31 @@ def test_a_run_of_another_format_is_refused(finished: Path, tmp_path: Path):
         vp.Run(tmp_path)
 
 
-@pytest.mark.parametrize("number", [5])
-def test_a_run_of_an_older_format_is_read_compared_and_drawn(number: int, tmp_path: Path):
-    """The folders are regression data: each was written by the last version that wrote its format."""
-    shutil.unpack_archive(Path(__file__).parent / "older" / f"format-{number}.zip", tmp_path / "older")
-    older = vp.Run(tmp_path / "older")
-    assert older.provenance["format"] == number
+def unpacked(number: int, folder: Path) -> vp.Run:
+    """Return a run that is regression data: written by the last version that wrote its format."""
+    shutil.unpack_archive(Path(__file__).parent / "older" / f"format-{number}.zip", folder)
+    run = vp.Run(folder)
+    assert run.provenance["format"] == number
+    return run
+
+
+def test_a_run_of_format_6_is_read_in_present_words_and_on_its_own_mesh(tmp_path: Path):
+    older = unpacked(6, tmp_path / "older")
+    assert older.case.impact.wall == "no-separation"
+    assert older.rows[0].impact_face_radius == pytest.approx(3.8)
+    assert math.isnan(older.rows[-1].contact_radius)
+    assert np.isnan(older.columns["contact_radius"]).all()
+    # its outermost nodes stood on the circumference; now they would stand 5 % further out
+    assert np.hypot(*older.body.position[:, :2].T).max() == pytest.approx(3.8, rel=1e-12)
+    last = older.snapshot(-1)
+    _, radius = older.profile(last)
+    assert radius[0] == pytest.approx(older.rows[-1].impact_face_radius, rel=1e-12)
+    assert older.draw()
+    assert vp.compare([older, older]).times
+
+
+def test_a_run_of_an_older_format_is_read_compared_and_drawn(tmp_path: Path):
+    older = unpacked(5, tmp_path / "older")
     now = vp.run(older.case, tmp_path / "now", figures=False)
     verdict = compare_bits(older, now)
     # another processor or compiler may round otherwise

@@ -11,7 +11,7 @@ from viscopoint.ledger import Row
 CASES = ("paper-6.5", "paper-65", "paper", "paper-elastic")
 ELEMENTS = ("one-point", "selective")
 SIZES = (0.76, 0.38)  # mm
-MEASURED = ("foot_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
+MEASURED = ("impact_face_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +123,7 @@ def test_coarse_copper_bar_is_near_the_published_one():
     # 5 elements to the radius: the foot converges to first order from below, by up to half an element's width
     end = bar("one-point", 0.64)
     assert LENGTH[0] < end.length < LENGTH[1] + 0.32
-    assert FOOT[0] - 0.32 < end.foot_radius < FOOT[1]
+    assert FOOT[0] - 0.32 < end.impact_face_radius < FOOT[1]
 
 
 @pytest.mark.long
@@ -141,7 +141,7 @@ def test_copper_bar_converges_to_the_published_one(geometry: str, element: str, 
     ratio = sizes[0] / sizes[1]
     length, foot = (
         getattr(fine, name) + (getattr(fine, name) - getattr(coarse, name)) / (ratio - 1.0)
-        for name in ("length", "foot_radius")
+        for name in ("length", "impact_face_radius")
     )
     assert length == pytest.approx(np.mean(LENGTH), rel=3e-3)
     assert foot == pytest.approx(np.mean(FOOT), rel=1e-2)

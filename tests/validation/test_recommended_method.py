@@ -26,7 +26,7 @@ def test_paper_s_rods_are_within_what_is_asked_of_converged_finite_elements(name
     assert run.case.method.resolution() == pytest.approx(0.38)
     assert run.results.energy_error < 0.5  # %
     for row, limits in zip(run.rows[1:], CONVERGED[name], strict=True):
-        found = (row.foot_radius, row.greatest_radius, row.velocity, row.kinetic, row.wall_impulse)
+        found = (row.impact_face_radius, row.greatest_radius, row.velocity, row.kinetic, row.wall_impulse)
         scales = (*limits[:2], SPEED, limits[3], limits[4])
         off = [abs(one - limit) / scale for one, limit, scale in zip(found, limits, scales, strict=True)]
         if row.time > 0.03 and name != "paper":
@@ -42,5 +42,5 @@ def test_copper_bar_is_near_the_finest_published_values():
     run = vp.run(vp.Case.load("copper"), figures=False)
     assert run.case.method.name == "tlmpm"
     assert run.rows[-1].length == pytest.approx(21.425, rel=3e-3)
-    assert run.rows[-1].foot_radius == pytest.approx(7.2265, rel=1.5e-2)
+    assert run.rows[-1].impact_face_radius == pytest.approx(7.2265, rel=1.5e-2)
     assert run.results.energy_error < 0.5  # %

@@ -65,7 +65,7 @@ def test_methods_agree_within_a_tenth_of_a_cell_per_radius_and_five_per_cent_of_
     rows = made.agreement["paper"]
     assert len(rows) == 12
     for row in rows:
-        assert row.mpm.foot_radius == pytest.approx(row.fem.foot_radius, rel=0.03)
+        assert row.mpm.impact_face_radius == pytest.approx(row.fem.impact_face_radius, rel=0.03)
         assert row.mpm.greatest_radius == pytest.approx(row.fem.greatest_radius, rel=0.03)
         assert row.mpm.velocity == pytest.approx(row.fem.velocity, abs=0.05 * 150.0)
         assert row.outline_area < 0.02

@@ -56,7 +56,7 @@ def brick(size: tuple[float, ...], cells: tuple[int, ...], shake: float = 0.0, f
     cell = np.column_stack(corners)
     layers = node.reshape(counts[2], -1)
     ends = [np.column_stack([layers[a], layers[b]]) for a, b in ((-1, -2), (0, 1))]
-    surface = Surface(layers, np.ones(layers.shape[1]), 1.0, ends[0], ends[1], 0.0)
+    surface = Surface(layers, np.ones(layers.shape[1]), 1.0, ends[0], ends[1], 0.0, 0.0)
     return Body(position, node_volumes(position, cell), surface, cell)
 
 

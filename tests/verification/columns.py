@@ -66,7 +66,7 @@ def block(cell: float, x: int, y: int, z: int, per_cell: int = 2) -> Body:
     position: Array = np.column_stack([axis.ravel() for axis in mesh[::-1]])
     index = np.arange(len(position)).reshape(z * per_cell, -1)
     ends = [np.column_stack([index[a], index[b]]) for a, b in ((-1, -2), (0, 1))]
-    surface = Surface(index, np.ones(index.shape[1]), 1.0, ends[0], ends[1], 0.5)
+    surface = Surface(index, np.ones(index.shape[1]), 1.0, ends[0], ends[1], 0.5, 0.0)
     return Body(position, np.full(len(position), step**3), surface)
 
 

@@ -14,7 +14,7 @@ from viscopoint.mpm.shapes import SHAPES
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SIZES: dict[str, dict[str, str]] = {
-    "mpm": {"method.cell": "1 mm", "method.spacing": "0.7 mm"},
+    "mpm": {"method.cell": "1 mm", "method.spacing": "0.72 mm"},
     "tlmpm": {"method.spacing": "0.7 mm"},
     "fem": {"method.size": "1.2 mm"},
 }

@@ -21,7 +21,7 @@ PHYSICS = ("rod", "impact", "material")  # tables of a case that say what happen
 WINDOW = 0.5e-3  # ms over which the wall force is averaged: on a grid it comes in blows
 NAME = "comparison.json"
 MEASURED = (
-    "length", "foot_radius", "greatest_radius", "velocity", "wall_impulse",
+    "length", "contact_radius", "impact_face_radius", "greatest_radius", "velocity", "wall_impulse",
     "kinetic", "stored", "dissipated", "hypoelastic", "viscous", "hourglass", "eroded", "contact", "friction",
     "numerical",
 )  # fmt: skip
@@ -48,7 +48,8 @@ class Comparison:
 
     def warnings(self) -> list[str]:
         """Return what makes the numbers less comparable than they look."""
-        told = [f"INCOMPLETE: {_place(run)} ({run.results.reason})" for run in self.runs if run.status != "complete"]
+        told = [f"INCOMPLETE: {_place(run)} ({run.results.reason})" for run in self.runs if not run.results.is_complete]
+        told += [f"WARNING: {_place(run)}: {text}" for run in self.runs for text in run.results.warnings]
         if len({run.provenance.get("sources") for run in self.runs}) > 1:
             made = ", ".join(f"{_place(run)} by {run.provenance.get('commit') or 'another'}" for run in self.runs)
             told.append(f"NOTE: made by different versions of viscopoint: {made}")

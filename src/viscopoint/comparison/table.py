@@ -9,7 +9,8 @@ from viscopoint.comparison import Comparison
 
 ROWS = {  # quantity: what is printed, unit, decimals, what a difference is a share of
     "length": ("length", "mm", 3, "itself"),
-    "foot_radius": ("foot radius", "mm", 3, "itself"),
+    "contact_radius": ("contact radius", "mm", 3, "itself"),
+    "impact_face_radius": ("radius of the impact face", "mm", 3, "itself"),
     "greatest_radius": ("greatest radius", "mm", 3, "itself"),
     "velocity": ("velocity of centre of mass", "m/s", 2, "speed"),
     "wall_impulse": ("wall impulse", "N ms", 2, "itself"),

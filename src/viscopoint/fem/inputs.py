@@ -17,7 +17,7 @@ from viscopoint.fem.method import Discretisation, FiniteElementMethod
 from viscopoint.fem.reading import read_rod, unreadable
 from viscopoint.fem.rod import rod_elements, rod_mesh
 from viscopoint.fem.section import section_elements, section_mesh
-from viscopoint.inputs import Impact, MethodInput, Rod, Table, one_of
+from viscopoint.inputs import Impact, MethodInput, Rod, Table, Time, one_of
 from viscopoint.laws import Law
 from viscopoint.memory import Need
 from viscopoint.rules import rule
@@ -54,6 +54,8 @@ class HourglassInput(Table):
 class FEMInput(MethodInput):
     """``name = "fem"``."""
 
+    finer = "a mesh with more nodes around the circumference (method.mesh)"
+
     name: Literal["fem"]
     size: Length | None = None
     grading: float = Field(default=1.0, ge=0.01, le=100)
@@ -72,7 +74,7 @@ class FEMInput(MethodInput):
     def at_resolution(cls, distance: float) -> dict[str, Any]:
         return {"name": "fem", "size": f"{distance!r} mm"}
 
-    def completed(self, rod: Rod, impact: Impact) -> Self:
+    def completed(self, rod: Rod, impact: Impact, time: Time) -> Self:
         """Return the table with the hourglass coefficient spelt out."""
         if self.element not in CONTROLLED:
             return self

@@ -47,13 +47,17 @@ class FiniteElementMethod:
     """A body of hexahedra, or of rings of quadrilateral section, moving at ``velocity`` [mm/ms] at the start."""
 
     advice = Advice(
-        lost="too much of the body was deleted (method.delete_below)",
+        lost="elements are deleted that should deform; take a smaller method.delete_below, or 0, or a coarser mesh",
         unstable="the integration became unstable; take a smaller method.safety",
         dissipating="the integration is becoming unstable; take a smaller method.safety",
         gaining="the mesh is badly distorted, or the integration is becoming unstable; look at the last snapshot, take "
         "a smaller method.safety",
         collapsed="the mesh is too distorted. Take larger elements there (method.size) or a smaller impact speed, let "
         "such elements be deleted (method.delete_below), or use the material point method, which has no mesh to tangle",
+        hourglassing="hourglass modes, which one-point elements resist by a stiffness that is none of the material's; "
+        'take method.element = "selective", which has none, smaller elements, or a smaller coefficient of '
+        "method.hourglass",
+        losses="elements deleted",
     )
 
     def __init__(
@@ -175,6 +179,9 @@ class FiniteElementMethod:
 
     def lost(self) -> int:
         return len(self.elements.alive) - int(np.count_nonzero(self.elements.alive))
+
+    def lost_mass(self) -> float:
+        return self.law.density * float(self.elements.volume[self.elements.alive == 0].sum())
 
     def _loose(self) -> NDArray[np.bool_]:
         """Return which nodes belong to deleted elements only."""

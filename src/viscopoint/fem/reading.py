@@ -14,9 +14,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from viscopoint.arrays import Array, Indices, Rows
-from viscopoint.body import Body, Surface
+from viscopoint.body import EXACT, Body, Surface
 from viscopoint.errors import InputError
 from viscopoint.fem.mesh import node_volumes, point_volumes, scaled_jacobians
+from viscopoint.fem.rod import rim_radius
 from viscopoint.folder import is_file
 
 TOO_MANY, ELSEWHERE, OUT_OF_TIME = 3, 4, -24  # how the program ends: its own codes, and the signal SIGXCPU
@@ -35,6 +36,7 @@ FLAT = 9  # cell types up to this one have no volume: vertices, lines, triangles
 SOUND = 1e-6  # a scaled Jacobian below this is none
 SAME = 1e-3  # relative: how well a mesh must agree with the [rod] table
 FARTHEST = 1e15  # mm, as of any length in a case; products of such are finite
+FEWEST = 8  # nodes around the rod, of the coarsest mesh
 FULL = 0.02  # how much less volume than the prism over its mantle's nodes a mesh may have
 ON_SURFACE = 1e-3  # of the radius: nodes this close to the mantle show it
 LEVEL = 1e-6  # of the length: nodes this close in height are one layer
@@ -53,13 +55,16 @@ def read_rod(path: Path, unit: float, radius: float, length: float) -> Body:
     _check_cells(position, cells, path)
     _check_rod(position, radius, length, path)
     _check_shapes(position, cells, path)
-    _check_volume(position, cells, path)
+    _check_volume(position, cells, radius, length, path)
     position[abs(position[:, 2]) <= LEVEL * length, 2] = 0.0  # exactly, or the wall would move or miss them
-    return Body(position, node_volumes(position, cells), rod_surface(position), cells)
+    return Body(position, node_volumes(position, cells), rod_surface(position, radius), cells)
 
 
-def rod_surface(position: Array) -> Surface:
-    """Return which nodes of an upright rod show its surface: those of the mantle by height, and those of both ends."""
+def rod_surface(position: Array, radius: float) -> Surface:
+    """Return which nodes of an upright rod show its surface: those of the mantle by height, and those of both ends.
+
+    Where a mesh has the rod's volume, nodes of the mantle stand outside its radius; they show that radius all the same.
+    """
     height, from_axis = position[:, 2], np.hypot(position[:, 0], position[:, 1])
     tolerance = LEVEL * np.ptp(height)
     mantle = np.flatnonzero(from_axis > (1.0 - ON_SURFACE) * from_axis.max())
@@ -71,10 +76,11 @@ def rod_surface(position: Array) -> Surface:
     return Surface(
         ring=np.array([np.pad(layer, (0, widest - len(layer)), constant_values=-1) for layer in layers]),
         start=np.full(widest, from_axis.max()),
-        radius=float(from_axis.max()),
+        radius=radius,
         tail=np.column_stack([ends[0], ends[0]]),
         foot=np.column_stack([ends[1], ends[1]]),
         reach=0.0,
+        near=EXACT * radius,
     )
 
 
@@ -155,17 +161,20 @@ def _check_shapes(position: Array, cells: Indices, path: Path) -> None:
         )
 
 
-def _check_volume(position: Array, cells: Indices, path: Path) -> None:
-    """Compare with the prism that the mantle's nodes span: a tube, a cone or a doubled element is no rod."""
+def _check_volume(position: Array, cells: Indices, radius: float, length: float, path: Path) -> None:
+    """Compare with the rod, and with the prism over the mantle's nodes: a tube, a cone or a doubled element is none.
+
+    The mesh has either the rod's volume, or its outermost nodes at the rod's radius.
+    """
     twice = len(cells) - len(np.unique(np.sort(cells, axis=1), axis=0))
     if twice:
         raise InputError(f"method.mesh: {path}: {twice} elements stand in the place of others; remove them")
-    around = rod_surface(position).ring
-    corners = max(3, int(np.median((around >= 0).sum(axis=1))))
-    radius, length = np.hypot(position[:, 0], position[:, 1]).max(), np.ptp(position[:, 2])
-    circle, prism = np.pi * radius**2 * length, corners / 2 * np.sin(2 * np.pi / corners) * radius**2 * length
+    corners = max(3, int(np.median((rod_surface(position, radius).ring >= 0).sum(axis=1))))
+    widest, circle = np.hypot(position[:, 0], position[:, 1]).max(), np.pi * radius**2 * length
+    prism = corners / 2 * np.sin(2 * np.pi / corners) * widest**2 * length
     found = float(point_volumes(position, cells).sum())
-    if not (1.0 - FULL) * prism <= found <= (1.0 + SAME) ** 3 * circle:
+    inscribed = widest <= (1.0 + SAME) * radius and found <= (1.0 + SAME) ** 3 * circle
+    if found < (1.0 - FULL) * prism or not (inscribed or abs(found / circle - 1.0) <= 3 * SAME):
         raise InputError(
             f"method.mesh: {path}: fills {found:.6g} mm^3, but a rod of this length and radius has {circle:.6g} mm^3"
         )
@@ -186,8 +195,9 @@ def _pieces(count: int, cells: Indices) -> int:
 
 def _check_rod(position: Array, radius: float, length: float, path: Path) -> None:
     foot, tail = position[:, 2].min(), position[:, 2].max()
-    widest = np.hypot(position[:, 0], position[:, 1]).max()
-    if abs(foot) > LEVEL * length or abs(tail - length) > SAME * length or abs(widest - radius) > SAME * radius:
+    widest, most = np.hypot(position[:, 0], position[:, 1]).max(), rim_radius(radius, FEWEST)
+    wide = (1.0 - SAME) * radius <= widest <= (1.0 + SAME) * most
+    if abs(foot) > LEVEL * length or abs(tail - length) > SAME * length or not wide:
         raise InputError(
             f"method.mesh: {path}: reaches from z = {foot:.6g} mm to {tail:.6g} mm and {widest:.6g} mm from the z "
             f"axis, but the rod stands on z = 0 with rod.length {length:g} mm and rod.radius {radius:g} mm; is "

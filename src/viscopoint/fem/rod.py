@@ -1,4 +1,4 @@
-"""The rod as hexahedra on a butterfly (O-grid) mesh, whose outermost nodes stand on the circumference exactly."""
+"""The rod as hexahedra on a butterfly (O-grid) mesh, of exactly the cylinder's volume."""
 
 import itertools
 import math
@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from viscopoint.arrays import Array, Indices
-from viscopoint.body import Body, Surface
+from viscopoint.body import EXACT, Body, Surface
 from viscopoint.fem.mesh import node_volumes
 
 CORE = 0.68  # radius of the core's corners over that of the rod
@@ -16,6 +16,9 @@ BULGE = 0.3  # 0: a square core, 1: a round one; these two make the thinnest ele
 
 def butterfly(radius: float, size: float) -> tuple[Array, Indices, Indices]:
     """Mesh a disc: a square core of curved sides, and rings around it that become circles.
+
+    The outermost nodes stand outside the circle, by as much as gives the polygon of their edges the circle's area: the
+    rod then has its mass and stiffness at any size.
 
     Returns:
         Places ``[n, 2]`` [mm], corners ``[q, 4]`` counter-clockwise, and the nodes on the circumference, in its order.
@@ -31,7 +34,7 @@ def butterfly(radius: float, size: float) -> tuple[Array, Indices, Indices]:
     index = np.arange((across + 1) ** 2).reshape(across + 1, across + 1)
     edge = np.concatenate([index[0, :-1], index[:-1, -1], index[-1, :0:-1], index[:0:-1, 0]])  # from (-1, -1) around
     angle = -0.75 * np.pi + 2.0 * np.pi * np.arange(len(edge)) / len(edge)
-    circle = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    circle = rim_radius(radius, len(edge)) * np.column_stack([np.cos(angle), np.sin(angle)])
     places, quads = [core], [_quads(index)]
     inner = edge
     for ring in range(1, rings + 1):
@@ -41,6 +44,12 @@ def butterfly(radius: float, size: float) -> tuple[Array, Indices, Indices]:
         quads.append(np.column_stack([inner, outer, np.roll(outer, -1), np.roll(inner, -1)]))
         inner = outer
     return np.concatenate(places), np.concatenate(quads), inner
+
+
+def rim_radius(radius: float, corners: int) -> float:
+    """Return the radius of the corners of a regular polygon of the circle's area [mm]."""
+    step = 2.0 * math.pi / corners
+    return radius * math.sqrt(step / math.sin(step))
 
 
 def heights(length: float, size: float, grading: float) -> Array:
@@ -63,11 +72,12 @@ def rod_mesh(radius: float, length: float, size: float, grading: float = 1.0) ->
     cells = np.concatenate([np.hstack([lower[quads], upper[quads]]) for lower, upper in itertools.pairwise(index)])
     surface = Surface(
         ring=index[:, rim],
-        start=np.full(len(rim), radius),
+        start=np.full(len(rim), rim_radius(radius, len(rim))),
         radius=radius,
         tail=np.column_stack([index[-1], index[-2]]),
         foot=np.column_stack([index[0], index[1]]),
         reach=0.0,
+        near=EXACT * radius,
     )
     return Body(position, node_volumes(position, cells), surface, cells)
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viscopoint.arrays import Array, Indices
-from viscopoint.body import Body, Surface
+from viscopoint.body import EXACT, Body, Surface
 from viscopoint.fem.mesh import Form
 from viscopoint.fem.quadrilateral import ETA, GAUSS, TURN, XI
 from viscopoint.fem.rod import heights, layers
@@ -79,6 +79,7 @@ def section_mesh(radius: float, length: float, size: float, grading: float = 1.0
         tail=np.column_stack([index[-1], index[-2]]),
         foot=np.column_stack([index[0], index[1]]),
         reach=0.0,
+        near=EXACT * radius,
     )
     return Body(position, node_volumes(position, cells), surface, cells)
 

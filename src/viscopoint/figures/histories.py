@@ -11,7 +11,7 @@ from viscopoint.results import Run
 
 PANELS = (
     (("length",), "length (mm)"),
-    (("foot_radius", "greatest_radius"), "radius (mm)"),
+    (("contact_radius", "greatest_radius"), "radius (mm)"),
     (("velocity",), "velocity of the centre of mass (m/s)"),
     (("wall_force",), "wall force (N)"),
 )

@@ -6,11 +6,11 @@ from pydantic import Field
 
 from viscopoint.arrays import PRECISIONS
 from viscopoint.body import Body
-from viscopoint.inputs import Impact, MethodInput, Rod, Table, one_of
+from viscopoint.inputs import Impact, MethodInput, Rod, Table, Time, one_of
 from viscopoint.laws import Law
 from viscopoint.memory import Need
 from viscopoint.mpm.contacts import CONTACTS
-from viscopoint.mpm.fills import FILLS, MERIDIANS
+from viscopoint.mpm.fills import EXACT_FILL, FILLS, MERIDIANS
 from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.grid import GRIDS, Box
 from viscopoint.mpm.method import Discretisation, MaterialPointMethod
@@ -40,6 +40,8 @@ class BoxInput(Table):
 class MPMInput(MethodInput):
     """``name = "mpm"``."""
 
+    finer = EXACT_FILL
+
     name: Literal["mpm"]
     geometry: one_of(GEOMETRIES) = "3d"  # pyright: ignore[reportInvalidTypeForm]
     cell: Length
@@ -62,17 +64,19 @@ class MPMInput(MethodInput):
     def at_resolution(cls, distance: float) -> dict[str, Any]:
         return {"name": "mpm", "spacing": f"{distance!r} mm", "cell": f"{2.0 * distance!r} mm"}
 
-    def completed(self, rod: Rod, impact: Impact) -> "MPMInput":
+    def completed(self, rod: Rod, impact: Impact, time: Time) -> "MPMInput":
         """Return the table with a box, by default wide enough for a mushroom and a rebound, and FMPM's order.
 
-        Only the part of the box around the body takes memory.
+        No rod rebounds faster than it came; half of it above the flight is room for its vibrations. Only the part of
+        the box around the body takes memory.
         """
         if self.transfer == "fmpm" and self.order is None:
-            return self.model_copy(update={"order": USUAL_ORDER}).completed(rod, impact)
+            return self.model_copy(update={"order": USUAL_ORDER}).completed(rod, impact, time)
         if self.box is not None:
             return self
-        side = 4.0 * rod.radius
-        box = BoxInput.model_construct(x=(-side, side), y=(-side, side), z=(0.0 - impact.gap, 2.0 * rod.length))
+        side, low = 4.0 * rod.radius, 0.0 - impact.gap
+        high = min(2.0 * rod.length + impact.speed * time.end, low + MOST_CELLS * self.cell)
+        box = BoxInput.model_construct(x=(-side, side), y=(-side, side), z=(low, high))
         return self.model_copy(update={"box": box})
 
     def need(self, rod: Rod) -> Need:
@@ -88,8 +92,8 @@ class MPMInput(MethodInput):
         return fills[self.fill](rod.radius, rod.length, self.spacing)
 
     def build(self, rod: Rod, impact: Impact, law: Law) -> MaterialPointMethod:
-        """Return the rod as material points on their way to the wall."""
-        box = self.completed(rod, impact).box
+        """Return the rod as material points on their way to the wall; the table is ``completed``."""
+        box = self.box
         assert box is not None
         choices = Discretisation(
             cell=self.cell,

@@ -79,7 +79,8 @@ class MaterialPointMethod:
     @property
     def advice(self) -> Advice:
         return Advice(
-            lost="points left the box; give it more room (method.box)",
+            lost="the body does not stay in the box; give it more room (method.box)",
+            losses="points left the box",
             unstable="the integration became unstable; take a smaller method.safety, or the scheme 'musl' instead of "
             "'usl', whose nodes of nearly no mass run away",
             dissipating=f"{self.transfer.dissipates}, or the integration is becoming unstable (scheme "
@@ -163,6 +164,9 @@ class MaterialPointMethod:
 
     def lost(self) -> int:
         return int(self.grid.start[-1] - self.grid.start[-2])
+
+    def lost_mass(self) -> float:
+        return float(self.points.mass[self._lost()].sum())
 
     def weakest(self) -> str:
         return self.shortage

@@ -27,7 +27,7 @@ class Agreement(NamedTuple):
     def to_table(self) -> dict[str, Any]:
         """Return the numbers by name; units as in a run's summary."""
         both = {"fem": self.fem, "mpm": self.mpm}
-        names = ("length", "foot_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
+        names = ("length", "impact_face_radius", "greatest_radius", "velocity", "kinetic", "wall_impulse")
         rows = {method: {name: getattr(row, name) for name in names} for method, row in both.items()}
         apart = (self.outline_area, self.outline_distance, self.axial_velocity)
         told = dict(zip(("outline_area", "outline_distance [mm]", "axial_velocity [m/s]"), apart, strict=True))
@@ -55,7 +55,7 @@ NOTE = (
     "Each cell: FEM · MPM (difference, in per cent of the FEM value; of velocities, of the impact speed). Outlines: "
     "the area between them over the rod's half section, and their greatest distance."
 )
-LENGTHS = ("length", "foot_radius", "greatest_radius")
+LENGTHS = ("length", "impact_face_radius", "greatest_radius")
 
 
 def both(rows: list[Agreement]) -> tuple[tuple[str, ...], ...]:

@@ -59,14 +59,14 @@ CAUSES: dict[str, Cause] = {
         "It has 0.6 % too much area and 0.24 % too much length, and with that mass and kinetic energy.",
         "points on rings, of the cylinder's volume",
         {"method.fill": "rings"},
-        ("foot_radius", "kinetic", "velocity"),
+        ("impact_face_radius", "kinetic", "velocity"),
     ),
     "locking": Cause(
         "volumetric locking",
         "K / G∞ is 110 once the arm has relaxed: points that each resist their own change of volume hinder each other.",
         "one dilatation for each cell",
         {"method.volume": "cell-mean"},
-        ("foot_radius", "velocity", "noise"),
+        ("impact_face_radius", "velocity", "noise"),
     ),
     "contact": Cause(
         "early contact",
@@ -87,7 +87,7 @@ class Deviation(NamedTuple):
     material: str
     variant: str  # the cause that is switched off
     switch: str
-    foot_radius: float  # share of FEM's
+    impact_face_radius: float  # share of FEM's
     greatest_radius: float
     velocity: float  # share of the impact speed
     kinetic: float  # share of the initial kinetic energy
@@ -142,7 +142,7 @@ def _deviation(material: str, variant: str, switch: str, fem: Run, mpm: Run) -> 
     speed, energy = fem.case.impact.speed, fem.results.initial_energy
     return Deviation(
         material, variant, switch,
-        foot_radius=other.row.foot_radius / one.row.foot_radius - 1.0,
+        impact_face_radius=other.row.impact_face_radius / one.row.impact_face_radius - 1.0,
         greatest_radius=other.row.greatest_radius / one.row.greatest_radius - 1.0,
         velocity=(other.row.velocity - one.row.velocity) / speed,
         kinetic=(other.row.kinetic - one.row.kinetic) / energy,
@@ -191,7 +191,7 @@ HEAD = (
 
 
 WORDS = {
-    "foot_radius": "foot radius", "velocity": "velocity", "kinetic": "kinetic energy", "impulse": "impulse",
+    "impact_face_radius": "foot radius", "velocity": "velocity", "kinetic": "kinetic energy", "impulse": "impulse",
     "noise": "noise of pressure",
 }  # fmt: skip
 

@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import warnings
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -148,6 +149,7 @@ def _end_with_parent() -> None:
 
 def _simulate(place: int, case: Case, folder: Path) -> None:
     """Run a case in a worker."""
+    from viscopoint.errors import ResultWarning
     from viscopoint.running import resume, run
 
     def watch(share: float, row: Any) -> None:
@@ -157,6 +159,7 @@ def _simulate(place: int, case: Case, folder: Path) -> None:
 
     if _stop.is_set():
         return
+    warnings.simplefilter("ignore", ResultWarning)  # the page says them
     if _is_run(folder, case, ("running", "interrupted")):
         with contextlib.suppress(InputError):  # damaged: to be made again
             resume(folder, figures=False, watch=watch)

@@ -137,8 +137,8 @@ def most_still_falls(runs: Runs) -> Finding:
 
 @states("fig7", "no mushroom", ["fem-elastic-650", "mpm-elastic-650"])
 def no_mushroom(runs: Runs) -> Finding:
-    growth = [run.rows[-1].foot_radius - run.case.rod.radius for run in runs.values()]
-    narrower = [run.rows[-1].greatest_radius - run.rows[-1].foot_radius for run in runs.values()]
+    growth = [run.rows[-1].impact_face_radius - run.case.rod.radius for run in runs.values()]
+    narrower = [run.rows[-1].greatest_radius - run.rows[-1].impact_face_radius for run in runs.values()]
     told = f"the foot grows by {_listed(growth, 2)} mm (FEM, MPM; {_a_cell()}) and is not the widest place, which is "
     return Finding(max(growth) < CELL and min(narrower) > 0.0, told + f"{_listed(narrower, 2)} mm wider")
 
@@ -179,8 +179,8 @@ def _rim(run: Run) -> Array:
 def _mushroom(run: Run) -> Finding:
     """The foot is the widest place of the rod, grows on, and is more than a tenth wider than the rod was."""
     rows = [min(run.rows, key=lambda row: abs(row.time - time)) for time in (5e-3, 10e-3, 20e-3)]
-    feet = [row.foot_radius for row in rows]
-    widest = all(row.foot_radius == row.greatest_radius for row in rows)
+    feet = [row.impact_face_radius for row in rows]
+    widest = all(row.impact_face_radius == row.greatest_radius for row in rows)
     grows = all(later > sooner for sooner, later in itertools.pairwise(feet))
     seen = widest and grows and feet[0] > 1.1 * run.case.rod.radius
     return Finding(
@@ -191,7 +191,7 @@ def _mushroom(run: Run) -> Finding:
 def _growth(runs: Runs, decay: str) -> list[float]:
     """Return by how much the foot's radius grew up to the end, by FEM and by MPM [mm]."""
     both = [runs[f"{method}-{decay}"] for method in ("fem", "mpm")]
-    return [run.rows[-1].foot_radius - run.case.rod.radius for run in both]
+    return [run.rows[-1].impact_face_radius - run.case.rod.radius for run in both]
 
 
 def _distance(one: Run, other: Run, time: str) -> float:

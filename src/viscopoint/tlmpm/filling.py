@@ -3,14 +3,14 @@
 import numpy as np
 
 from viscopoint.arrays import Array
-from viscopoint.body import Body, Surface
+from viscopoint.body import EXACT, Body, Surface
 from viscopoint.mpm.fills.meridian import boxes
 
 
 def watched(body: Body, length: float, spacing: float) -> Body:
-    """Add points of no volume on the surface: around each layer and around the foot and the tail, and on the axis.
+    """Add points of no volume on the surface: around the planes between layers, on the impact face and the rear face.
 
-    The rod is then measured where its surface is, as finite elements are.
+    The rod is then measured where its surface is, as finite elements are; with one layer to a cell where nodes are.
     """
     radius = body.surface.radius
     around = 4 * max(round(2 * np.pi * radius / (4 * spacing)), 3)
@@ -32,9 +32,10 @@ def _even(length: float, spacing: float) -> int:
 
 
 def _watched_at(body: Body, length: float, circle: Array) -> Body:
-    """Add points of no volume at x and y of the ``circle`` in each layer and at the ends, and over foot and tail."""
+    """Add points of no volume at x and y of the ``circle`` between layers and at the ends, and over foot and tail."""
     count, around = len(body.position), len(circle)
-    heights = np.concatenate([[0.0], np.unique(body.position[:, 2]), [length]])
+    layers = len(body.surface.ring)
+    heights = length * np.arange(layers + 1) / layers
     layer = np.arange(len(heights) * around).reshape(len(heights), around)
     on = np.column_stack([np.tile(circle, (len(heights), 1)), np.repeat(heights, around)])
     ends = np.unique(np.round(body.position[body.surface.foot[:, 0], :2], 12), axis=0)
@@ -49,6 +50,7 @@ def _watched_at(body: Body, length: float, circle: Array) -> Body:
         tail=np.column_stack([tail, tail]),
         foot=np.column_stack([foot, foot]),
         reach=0.0,
+        near=EXACT * body.surface.radius,
     )
     position = np.concatenate([body.position, on, *flat])
     return Body(position, np.concatenate([body.volume, np.zeros(len(position) - count)]), surface)

@@ -7,10 +7,10 @@ from pydantic import Field
 
 from viscopoint.arrays import PRECISIONS
 from viscopoint.body import Body, reordered
-from viscopoint.inputs import Impact, MethodInput, Rod, one_of
+from viscopoint.inputs import Impact, MethodInput, Rod, Time, one_of
 from viscopoint.laws import Law
 from viscopoint.memory import Need
-from viscopoint.mpm.fills import FILLS
+from viscopoint.mpm.fills import EXACT_FILL, FILLS
 from viscopoint.mpm.geometry import GEOMETRIES
 from viscopoint.mpm.shapes import SHAPES
 from viscopoint.rules import rule
@@ -27,6 +27,8 @@ BYTES_PER_POINT = 900  # with grid and one snapshot being written: a generous co
 
 class TotalLagrangianInput(MethodInput):
     """``name = "tlmpm"``."""
+
+    finer = EXACT_FILL
 
     name: Literal["tlmpm"]
     geometry: one_of(GEOMETRIES) = "3d"  # pyright: ignore[reportInvalidTypeForm]
@@ -45,7 +47,7 @@ class TotalLagrangianInput(MethodInput):
     def at_resolution(cls, distance: float) -> dict[str, Any]:
         return {"name": "tlmpm", "spacing": f"{distance!r} mm"}
 
-    def completed(self, rod: Rod, impact: Impact) -> Self:
+    def completed(self, rod: Rod, impact: Impact, time: Time) -> Self:
         return self
 
     def need(self, rod: Rod) -> Need:

@@ -183,6 +183,9 @@ class TotalLagrangianMethod:
     def lost(self) -> int:
         return 0
 
+    def lost_mass(self) -> float:
+        return 0.0
+
     def weakest(self) -> str:
         return ""
 

@@ -11,6 +11,7 @@ from viscopoint.body import Body
 from viscopoint.discovery import import_all
 
 Fill = Callable[[float, float, float], Body]
+EXACT_FILL = 'method.fill = "trimmed", which has the rod\'s volume, or a smaller method.spacing'
 FILLS: dict[str, Fill] = {}
 MERIDIANS: dict[str, Fill] = {}
 

@@ -31,5 +31,6 @@ def rod_lattice(radius: float, length: float, spacing: float) -> Body:
         tail=np.column_stack([index[-1], index[-2]]),
         foot=np.column_stack([index[0], index[1]]),
         reach=0.5,
+        near=0.5 * spacing,
     )
     return Body(position, np.full(len(position), spacing**3), surface)

@@ -40,5 +40,6 @@ def boxes(radius: float, rings: int, thickness: float, layers: int, height: floa
         tail=np.column_stack([index[-1], index[-2]]),
         foot=np.column_stack([index[0], index[1]]),
         reach=0.5,
+        near=0.5 * thickness,
     )
     return Body(position, np.tile(2.0 * np.pi * r * thickness * height, layers), surface)

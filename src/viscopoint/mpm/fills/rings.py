@@ -45,5 +45,6 @@ def rod_rings(radius: float, length: float, spacing: float) -> Body:
         tail=np.column_stack([index[-1], index[-2]]),
         foot=np.column_stack([index[0], index[1]]),
         reach=0.5,
+        near=0.5 * thickness,
     )
     return Body(position, np.full(len(position), np.pi * thickness**2 / INNERMOST * height), surface)

@@ -74,4 +74,5 @@ def _surface(x: Array, y: Array, layers: int, radius: float, spacing: float) -> 
         tail=np.column_stack([index[-1], index[-2]]),
         foot=np.column_stack([index[0], index[1]]),
         reach=0.5,
+        near=0.5 * spacing,
     )

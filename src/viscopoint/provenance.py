@@ -16,7 +16,7 @@ from viscopoint.wording import one_line
 # of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums;
 # 7: contact radius, mass, losses
 FORMAT, READABLE = 7, (5, 6, 7)
-PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic", "pint")
+PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic")
 
 
 def provenance() -> dict[str, Any]:

@@ -1,41 +1,33 @@
 """Quantities with units: what a case writes as "0.5 mm" and the package holds as a float in g, mm, ms.
 
-In these units stress comes out in MPa, force in N, energy in mJ and speed in m/s (= mm/ms).
+In these units stress comes out in MPa, force in N, energy in mJ and speed in m/s (= mm/ms). The number is converted as
+it is written, by an exact factor, and rounded once: the same quantity in other units gives the same float.
 """
 
+import contextlib
 import functools
 import math
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from fractions import Fraction
+from typing import Annotated, Any
 
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-if TYPE_CHECKING:
-    import pint
+from viscopoint.unit_names import KINDS, ONE, Unit, unit_of
 
 _NUMBER = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|[+-]?(?:inf|infinity|nan))\s*(.*)", re.I | re.S | re.A
 )
-_FACTOR = r"(?:1|[A-Za-zµμ]+(?:(?:\^|\*\*)-?\d)?)"
+_NAME = r"[A-Za-zµ][A-Za-zµ_]*"
+_FACTOR = rf"(?:1|({_NAME})(?:\^?(-?\d))?)"
 _UNIT = re.compile(rf"{_FACTOR}(?:\s*[*/ ]\s*{_FACTOR})*")
+_EACH = re.compile(rf"([*/ ]?)\s*{_FACTOR}\s*")
+_SAME = str.maketrans({"μ": "µ", "·": "*", "⋅": "*", "×": "*", "²": "^2", "³": "^3", "⁴": "^4", "⁻": "^-", "¹": "1"})
 _LONGEST = 100  # characters; a quantity is never longer
-# What most cases are written in: to know these factors, pint need not be loaded, which takes 0.2 s.
-USUAL = {
-    ("um", "mm"): 1e-3, ("mm", "mm"): 1.0, ("cm", "mm"): 10.0, ("m", "mm"): 1e3,
-    ("us", "ms"): 1e-3, ("ms", "ms"): 1.0, ("s", "ms"): 1e3, ("1/ms", "1/ms"): 1.0, ("1/s", "1/ms"): 1e-3,
-    ("m/s", "m/s"): 1.0, ("kPa", "MPa"): 1e-3, ("MPa", "MPa"): 1.0, ("GPa", "MPa"): 1e3,
-    ("g/cm^3", "g/mm^3"): 1e-3, ("g/mm^3", "g/mm^3"): 1.0,
-}  # fmt: skip
-_LARGEST = 1e15  # of a unit; beyond it, or below its inverse, products overflow and nothing physical is left
-
-
-@functools.cache
-def _registry() -> "pint.UnitRegistry":
-    import pint
-
-    return pint.UnitRegistry()
+_LARGEST = 10**15  # of a unit; beyond it, or below its inverse, products overflow and nothing physical is left
+NEAR_EXAMPLE = 1000.0  # times: within it of a kind's example, another unit may have been meant
 
 
 def parse(text: str, unit: str) -> float:
@@ -44,44 +36,64 @@ def parse(text: str, unit: str) -> float:
     Raises:
         ValueError: the text is no number with a unit of the right dimension; the message says what is wrong with it.
     """
+    number, symbol = _split(text)
+    given, wanted = _unit(symbol), _unit(unit)
+    if given.dimension != wanted.dimension:
+        raise ValueError(f"has the wrong dimension: {_dimension(symbol, given, wanted)}")
+    value = Fraction(number) * given.factor / wanted.factor
+    if value and not Fraction(1, _LARGEST) <= abs(value) <= _LARGEST:
+        raise ValueError(f"is out of range, {1 / _LARGEST:g} to {_LARGEST:g} {unit}")
+    return float(value)
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Return the number and the unit that a text has."""
     match = _NUMBER.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
         raise ValueError("is not a number with a unit")
-    number, symbol = float(match[1]), match[2].strip()
-    if not math.isfinite(number):
+    if not math.isfinite(float(match[1])):
         raise ValueError("is not finite")
+    symbol = match[2].strip()
     if not symbol:
         raise ValueError("has no unit")
-    if not _UNIT.fullmatch(symbol):
+    return match[1] if float(match[1]) else "0", symbol  # the exponent of what is next to nothing may be huge
+
+
+@functools.lru_cache(maxsize=1000)
+def _unit(symbol: str) -> Unit:
+    """Return the unit of a text such as "g/cm^3", read from left to right; one that begins with / is of 1."""
+    plain = re.sub(r"\^-\^(?=\d)", "^-", symbol.translate(_SAME).replace("**", "^"))
+    plain = re.sub(r"^\s*[*]\s*", "", re.sub(r"^\s*/", "1/", plain))
+    if not _UNIT.fullmatch(plain):
         raise ValueError(f"has no known unit ('{symbol}')")
-    factor = USUAL.get((symbol, unit))
-    value = converted(number, symbol, unit) if factor is None else number * factor
-    if value and not 1 / _LARGEST <= abs(value) <= _LARGEST:
-        raise ValueError(f"is out of range, {1 / _LARGEST:g} to {_LARGEST:g} {unit}")
-    return value
+    total = ONE
+    for sign, name, power in _EACH.findall(plain):
+        factor = unit_of(name).to_the(int(power or 1)) if name else ONE
+        total = total.times(factor.to_the(-1) if sign == "/" else factor)
+    return total
 
 
-def converted(number: float, symbol: str, unit: str) -> float:
-    """Return a number of one unit in another, by pint; raise ``ValueError`` as ``parse`` does."""
-    import pint
-
-    units = _registry()
-    try:
-        given = units.parse_units(symbol)
-        return float(units.Quantity(number, given).to(unit).magnitude)
-    except pint.DimensionalityError as error:
-        raise ValueError(f"has the wrong dimension, {error.dim1 or 'none'}") from None
-    except Exception:  # pint's parser raises errors of many kinds for what is not a unit
-        raise ValueError(f"has no known unit ('{symbol}')") from None
+def _dimension(symbol: str, given: Unit, wanted: Unit) -> str:
+    """Say what a unit measures, and whether a pound or kilogram was meant as a force."""
+    mass, length, time = given.dimension
+    force = wanted.dimension == (mass, length + 1, time - 2)
+    hint = "; the force is 'lbf' or 'kgf'" if force else ""
+    return f"'{symbol}' is {KINDS.get(given.dimension, 'of another kind')}{hint}"
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A float in ``unit`` (of g, mm, ms or equal to it) that a case writes as a string such as ``example``."""
+    """A float in ``unit`` (of g, mm, ms or equal to it) that a case writes as a string such as ``example``.
+
+    A value beyond ``plausible`` is refused with the units of ``usual`` that may have been meant: a slip of units is off
+    by a thousand or a million times.
+    """
 
     name: str
     unit: str
     example: str
+    plausible: tuple[float, float]  # absolute values; zero is left to other bounds
+    usual: tuple[str, ...]
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(
@@ -99,7 +111,7 @@ class Quantity:
         wrong = "is a bare number without a unit" if isinstance(value, int | float) else "is not a string"
         if isinstance(value, str):
             try:
-                return parse(value, self.unit)
+                return self._checked(parse(value, self.unit), value)
             except ValueError as error:
                 wrong = str(error)
         raise PydanticCustomError(
@@ -111,18 +123,53 @@ class Quantity:
         """Write a value as a case would."""
         return f"{value!r} {self.unit}"
 
+    def shown(self, value: float) -> str:
+        """Write a value for a reader, in the unit of the example."""
+        unit = self.example.split(" ", 1)[1]
+        return f"{value / parse(f'1 {unit}', self.unit):g} {unit}"
 
-_LENGTH = Quantity("length", "mm", "0.5 mm")
-_TIME = Quantity("time", "ms", "20 us")
-_MODULUS = Quantity("modulus", "MPa", "550 MPa")
+    def _checked(self, value: float, text: str) -> float:
+        low, high = self.plausible
+        if value == 0.0 or low <= abs(value) <= high:
+            return value
+        number, _ = _split(text)
+        sizes = [(self._size(f"{number} {unit}"), unit) for unit in self.usual]
+        size, unit = min(sizes)
+        question = f'; did you mean "{number} {unit}"?' if size < NEAR_EXAMPLE else ""
+        raise ValueError(
+            f"is {value:g} {self.unit}, not plausible as a {self.name}: {low:g} to {high:g} {self.unit}{question}"
+        )
 
-Coordinate = Annotated[float, _LENGTH]
+    def _size(self, text: str) -> float:
+        """Return how many times larger or smaller than the example a text is."""
+        with contextlib.suppress(ValueError, ZeroDivisionError):
+            ratio = abs(parse(text, self.unit)) / parse(self.example, self.unit)
+            return max(ratio, 1 / ratio)
+        return math.inf
+
+
+# What is plausible is wider than anything that can be computed here makes sense for. Lengths: an atom to the height of
+# the atmosphere. Speeds: slower than any explicit code can follow, to above the fastest meteoroids, 72 km/s. Times: an
+# atom's vibration to days. Densities: the lightest foams, 0.16 kg/m^3, to twenty times osmium. Moduli: the softest
+# gels, some Pa, to twenty times diamond; rigid or incompressible solids are modelled so. Decay: as times.
+LENGTHS, TIMES = ("um", "mm", "cm", "m", "in"), ("ns", "us", "ms", "s")
+_COORDINATE = Quantity("length", "mm", "0.5 mm", (0.0, math.inf), LENGTHS)
+_LENGTH = Quantity("length", "mm", "0.5 mm", (1e-7, 1e8), LENGTHS)
+_TIME = Quantity("time", "ms", "20 us", (1e-12, 1e9), TIMES)
+_SPEED = Quantity("speed", "m/s", "150 m/s", (1e-6, 1e5), ("mm/s", "m/s", "km/s", "ft/s"))
+_DENSITY = Quantity(
+    "density", "g/mm^3", "1.0 g/cm^3", (1e-7, 0.5), ("kg/m^3", "g/cm^3", "g/mm^3", "tonne/mm^3", "lb/in^3")
+)
+_MODULUS = Quantity("modulus", "MPa", "550 MPa", (1e-6, 1e7), ("Pa", "kPa", "MPa", "GPa", "psi"))
+_DECAY = Quantity("decay constant", "1/ms", "650 1/ms", (1e-9, 1e12), ("1/s", "1/ms", "1/us"))
+
+Coordinate = Annotated[float, _COORDINATE]
 Length = Annotated[float, Field(gt=0), _LENGTH]
 Gap = Annotated[float, Field(ge=0), _LENGTH]
-Speed = Annotated[float, Field(gt=0), Quantity("speed", "m/s", "150 m/s")]
+Speed = Annotated[float, Field(gt=0), _SPEED]
 Duration = Annotated[float, Field(gt=0), _TIME]
 Instant = Annotated[float, Field(ge=0), _TIME]
-Density = Annotated[float, Field(gt=0), Quantity("density", "g/mm^3", "1.0 g/cm^3")]
+Density = Annotated[float, Field(gt=0), _DENSITY]
 Modulus = Annotated[float, Field(ge=0), _MODULUS]
 PositiveModulus = Annotated[float, Field(gt=0), _MODULUS]
-Decay = Annotated[float, Field(ge=0), Quantity("decay constant", "1/ms", "650 1/ms")]
+Decay = Annotated[float, Field(ge=0), _DECAY]

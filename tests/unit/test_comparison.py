@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import viscopoint as vp
 from viscopoint.cli import app
-from viscopoint.comparison import Comparison, axis, compare, outline, wall_force
+from viscopoint.comparison import Comparison, axis, compare, differing, outline, wall_force
 
 R, L = 1.5, 10.0
 
@@ -118,6 +118,16 @@ def test_other_physics_is_refused_with_its_keys(finished: Path, tmp_path: Path):
     assert "impact.speed: 150.0 m/s, 100.0 m/s" in str(caught.value)
     assert "material.decay: 650.0 1/ms, 65.0 1/ms" in str(caught.value)
     assert compare([finished, other], any_physics=True).physics == ("impact.speed", "material.decay")
+
+
+def test_physics_that_differs_by_rounding_is_the_same(finished: Path, tmp_path: Path):
+    other = copied(finished, tmp_path)
+    text = (other / "case.toml").read_text()
+    (other / "case.toml").write_text(text.replace("650.0 1/ms", "650.0000000000001 1/ms"))
+    assert vp.Run(other).case.material.decay != 650.0
+    assert compare([finished, other]).physics == ()
+    (other / "case.toml").write_text(text.replace("650.0 1/ms", "650.00000001 1/ms"))
+    assert differing(vp.Run(finished), vp.Run(other)) == ["material.decay"]
 
 
 def test_a_law_with_other_keys_is_other_physics(finished: Path, tmp_path: Path):

@@ -28,7 +28,7 @@ FLAT = {"method.geometry": "axisymmetric"}
         ("mpm", {"method.spacing": "1 nm"}, r"method\.spacing: 1e-06 mm gives 1\.2e\+21 points, about "),
         ("tlmpm", FLAT | {"method.spacing": "0.1 um"}, r"method\.spacing: 0\.0001 mm gives 9\.7e\+09 points, about "),
         ("fem", FLAT | {"method.size": "0.1 um"}, r"method\.size: 0\.0001 mm gives 9\.7e\+09 elements, about "),
-        ("fem", {"method.size": "1e-15 mm", "rod.length": "1e14 mm"}, r"GiB; there are .*: take a larger one"),
+        ("fem", {"method.size": "1e-7 mm", "rod.length": "1e8 mm"}, r"GiB; there are .*: take a larger one"),
     ],
 )
 def test_what_fits_into_no_machine_is_refused(method: str, changes: dict[str, Any], words: str, tmp_path: Path):

@@ -20,6 +20,7 @@ from viscopoint.wording import one_line
 PHYSICS = ("rod", "impact", "material")  # tables of a case that say what happens; the others say how it is computed
 WINDOW = 0.5e-3  # ms over which the wall force is averaged: on a grid it comes in blows
 NAME = "comparison.json"
+ROUNDING = 1e-12  # relative: numbers of two cases that differ by less are the same
 MEASURED = (
     "length", "contact_radius", "impact_face_radius", "greatest_radius", "velocity", "wall_impulse",
     "kinetic", "stored", "dissipated", "hypoelastic", "viscous", "hourglass", "eroded", "contact", "friction",
@@ -127,10 +128,17 @@ def write(comparison: Comparison, folder: Path, *, force: bool = False, figures:
 
 
 def differing(one: Run, other: Run) -> list[str]:
-    """Return the keys of two cases' physics whose values are not the same."""
-    first, second = ({table: run.case.to_tables()[table] for table in PHYSICS} for run in (one, other))
-    keys = {(table, key) for tables in (first, second) for table in PHYSICS for key in tables[table]}
-    return sorted(f"{table}.{key}" for table, key in keys if first[table].get(key) != second[table].get(key))
+    """Return the keys of two cases' physics whose values differ by more than rounding."""
+    first, second = (
+        {f"{table}.{key}": value for table in PHYSICS for key, value in getattr(case, table)}
+        for case in (one.case, other.case)
+    )
+    return sorted(key for key in first | second if not _is_same(first.get(key), second.get(key)))
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    numbers = isinstance(one, float) and isinstance(other, float)
+    return math.isclose(one, other, rel_tol=ROUNDING) if numbers else one == other
 
 
 def wall_force(run: Run, time: float) -> float:

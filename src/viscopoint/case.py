@@ -151,7 +151,8 @@ def packaged() -> dict[str, str]:
     """Return the packaged cases, name and title."""
     folder = resources.files("viscopoint.cases")
     names = sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
-    return {name: tomllib.loads((folder / f"{name}.toml").read_text())["title"] for name in names}
+    tables = {name: tomllib.loads((folder / f"{name}.toml").read_text()) for name in names}
+    return {name: table.get("title") or tables[table["extends"]]["title"] for name, table in tables.items()}
 
 
 def changes_of(settings: Iterable[str]) -> dict[str, Any]:

@@ -241,10 +241,11 @@ def bench(
 def cases() -> None:
     """List the packaged cases."""
     with _messages():
-        from viscopoint.case import packaged
+        from viscopoint.case import Case, packaged
+        from viscopoint.description import description
 
         for name, title in packaged().items():
-            typer.echo(f"{name:15} {title}")
+            typer.echo(f"{name:15} {title}\n{'':15} {description(Case.load(name))}")
 
 
 @app.command()

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
+from viscopoint.description import description
 from viscopoint.results import Run
 from viscopoint.simulation import LOSSES
 from viscopoint.wording import one_line
@@ -65,6 +66,7 @@ def print_summary(run: Run) -> None:
     screen = console()
     if run.case.title:
         screen.print(run.case.title, markup=False)
+    screen.print(description(run.case), markup=False)
     screen.print(table)
     screen.print(_ending(run), markup=False, soft_wrap=True)
     for text in run.results.warnings:

@@ -11,6 +11,7 @@ import numpy as np
 from viscopoint.body import in_half_plane
 from viscopoint.comparison import axis, outline
 from viscopoint.comparison.outline import Apart
+from viscopoint.description import description
 from viscopoint.errors import InputError
 from viscopoint.folder import FIGURES, SUMMARY, create, disk_faults, write_json
 from viscopoint.ledger import UNITS, Row
@@ -207,6 +208,7 @@ def _described(name: str, run: Run) -> dict[str, Any]:
         "name": name,
         "folder": _place(run),
         "title": case.title,
+        "case": description(case),
         "method": case.method.name,
         "axisymmetric": in_half_plane(run.body),
         "resolution [mm]": case.method.resolution() or None,  # that of a mesh file is not known

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from viscopoint.comparison import WINDOW, Comparison
 from viscopoint.comparison.axis import axial_velocity
 from viscopoint.comparison.outline import outline
+from viscopoint.description import physics
 from viscopoint.figures import save_all
 from viscopoint.results import Run
 
@@ -27,7 +28,8 @@ TERMS = (
 
 def draw_all(comparison: Comparison, folder: Path) -> list[Path]:
     """Draw all figures into a folder and return their files."""
-    return save_all(FIGURES, comparison, folder)
+    caption = "" if comparison.physics else physics(comparison.runs[0].case)
+    return save_all(FIGURES, comparison, folder, caption)
 
 
 def outlines(comparison: Comparison) -> Figure:

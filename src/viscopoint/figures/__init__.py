@@ -3,13 +3,16 @@
 A figure is a function of a ``Run`` that returns a Matplotlib figure, offered under the name of its PNG file.
 """
 
+import textwrap
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
+from viscopoint.description import description
 from viscopoint.discovery import import_all
 from viscopoint.folder import whole
 
@@ -32,6 +35,7 @@ COLOURS = "viridis"
 
 
 MOST = 8  # snapshots in one figure
+SMALL, LETTER, LINE = 7, 0.06, 0.13  # of a caption: size of the font, points; of a letter at most and a line, inches
 
 
 def chosen(run: "Run") -> list[int]:
@@ -52,19 +56,28 @@ def offer(name: str) -> "Callable[[Callable[[Run], Figure]], Callable[[Run], Fig
 
 def draw_all(run: "Run", folder: Path) -> list[Path]:
     """Draw all figures of a run into a folder."""
-    return save_all(FIGURES, run, folder)
+    return save_all(FIGURES, run, folder, description(run.case))
 
 
-def save_all(figures: Mapping[str, Callable[[T], Figure]], subject: T, folder: Path) -> list[Path]:
-    """Draw figures of something, each under its name, and return their files."""
+def save_all(figures: Mapping[str, Callable[[T], Figure]], subject: T, folder: Path, caption: str = "") -> list[Path]:
+    """Draw figures of something, each under its name and over a caption, and return their files."""
     folder.mkdir(exist_ok=True)
     files = []
     with rc_context(STYLE):
         for name, draw in figures.items():
             files.append(folder / f"{name}.png")
+            figure = draw(subject)
             with whole(files[-1]) as part:
-                draw(subject).savefig(part, format="png")
+                figure.savefig(part, format="png", bbox_inches=_captioned(figure, caption))
     return files
+
+
+def _captioned(figure: Figure, caption: str) -> Bbox:
+    """Write a caption below a figure, and return what is to be saved, in inches."""
+    width, height = figure.get_size_inches()
+    lines = textwrap.wrap(caption, int(width / LETTER))
+    figure.text(0.1 / width, 0.0, "\n".join(lines), va="top", fontsize=SMALL, color="0.3", parse_math=False)
+    return Bbox.from_extents(0.0, -LINE * len(lines) - (0.1 if lines else 0.0), width, height)
 
 
 import_all(__name__)

@@ -18,7 +18,6 @@ WIDE = {"method.box.x": ["-13 mm", "13 mm"], "method.box.y": ["-13 mm", "13 mm"]
 def paper_case(method: str, decay: str, *, elastic: bool = False, resolution: str = "paper") -> Case:
     """Return the paper's rod for a decay constant [1/ms]; ``elastic``: long-time modulus raised to the short one."""
     changes: dict[str, object] = {"material.decay": f"{decay} 1/ms", "time.snapshots": SNAPSHOTS}
-    changes |= {"title": f"Kim 2018, {'elastic control, ' if elastic else ''}decay {decay} 1/ms"}
     changes |= {"material.shear_long": "140 MPa"} if elastic else {}
     changes |= HALVED[method] if resolution == "fine" else {}
     return Case.load("paper", changes, method=method)
@@ -26,8 +25,7 @@ def paper_case(method: str, decay: str, *, elastic: bool = False, resolution: st
 
 def printed_case(decay: str) -> Case:
     """Return the paper's rod with a decay constant in the unit that the paper prints, 1/us."""
-    changes = {"material.decay": f"{decay} 1/us", "time.snapshots": SNAPSHOTS, **WIDE}
-    return Case.load("paper", changes | {"title": f"Kim 2018, decay {decay} 1/us as printed"})
+    return Case.load("paper", {"material.decay": f"{decay} 1/us", "time.snapshots": SNAPSHOTS, **WIDE})
 
 
 def main_cases(resolution: str) -> Iterator[tuple[str, Case]]:

@@ -114,7 +114,7 @@ def cases() -> Iterator[tuple[str, Case]]:
                     for key, value in {**WIDE, **cause.changes}.items()
                     if method == "mpm" or "method" not in key
                 }
-                yield f"{_prefix(method)}{name}-{material}", case.with_({"title": f"{case.title}: {name}", **own})
+                yield f"{_prefix(method)}{name}-{material}", case.with_(own)
 
 
 def _prefix(method: str) -> str:

@@ -11,6 +11,7 @@ from edits import NUMBERS, TEXTS, edited
 
 import viscopoint as vp
 from viscopoint.case import METHODS, changes_of, packaged
+from viscopoint.description import description
 from viscopoint.terminal import console
 from viscopoint.wording import unseen
 
@@ -96,6 +97,7 @@ class Target:
         assert vp.Case.from_tables(case.resolved().to_tables()) == case.resolved()
         with contextlib.redirect_stdout(io.StringIO()):
             console().print(case.title, markup=False)
+        assert unseen(description(case)) is None
 
 
 def _keys(text: str) -> list[str]:

@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 import viscopoint.laws  # noqa: F401  (its modules declare the materials)
+from viscopoint.arguments import checked
 from viscopoint.errors import MOST_FAULTS, CaseError, Fault, InputError, nearest
 from viscopoint.explain import explain, valid_values
 from viscopoint.fem.inputs import FEMInput
@@ -57,6 +58,7 @@ class Case(Table):
     output: Output = Output()
 
     @classmethod
+    @checked
     def load(
         cls,
         source: str | Path,
@@ -89,6 +91,7 @@ class Case(Table):
             raise InputError(f"{source}: tables nested too deeply; a case has at most three levels") from None
 
     @classmethod
+    @checked
     def from_tables(cls, tables: Mapping[str, Any], source: str = "the case") -> Self:
         """Check tables as they stand in a TOML file; raise ``CaseError`` with all faults."""
         given, tables = tables, _with_method(tables)
@@ -101,7 +104,8 @@ class Case(Table):
             more = max(len(details) - MOST_FAULTS, 0)
             raise CaseError(source, [_of_method(fault, given) for fault in faults], more) from None
 
-    def with_(self, changes: Mapping[str, Any] | None = None, /, **tables: Mapping[str, Any]) -> Self:
+    @checked
+    def with_(self, changes: Mapping[str, Any] | None = None, /, **tables: Any) -> Self:
         """Return a changed copy, checked again.
 
         ``case.with_({"material.decay": "65 1/ms"})`` and ``case.with_(material={"decay": "65 1/ms"})`` do the same.

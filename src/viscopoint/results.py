@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from viscopoint import memory, older
+from viscopoint.arguments import checked
 from viscopoint.body import Body
 from viscopoint.case import LONGEST_FILE, Case
 from viscopoint.errors import InputError
@@ -67,6 +68,7 @@ class Origin(BaseModel):
 class Run:
     """A run folder, finished or not."""
 
+    @checked
     def __init__(self, folder: str | Path) -> None:
         """Open a run folder; raise ``InputError`` if it is none or from another version."""
         self.folder = Path(folder)
@@ -153,6 +155,7 @@ class Run:
         except CORRUPT as error:
             raise self._unreadable(field_file.NAME, error) from None
 
+    @checked
     def snapshot(self, time: str | int, only: Collection[str] | None = None) -> Snapshot:
         """Return the fields at a time such as "20 us", or those of a snapshot by its number (-1: the last).
 
@@ -175,6 +178,7 @@ class Run:
             raise self._unreadable(field_file.NAME, f"its points are not those of {CASE}")
         return Snapshot(float(self.times[number]), fields)
 
+    @checked
     def profile(self, snapshot: Snapshot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the outline, height and radius of each layer of material from the foot up [mm]."""
         position = np.where(snapshot["lost"][:, None] > 0, np.nan, snapshot["position"])

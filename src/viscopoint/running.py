@@ -10,6 +10,7 @@ from tempfile import mkdtemp
 from typing import Any, NamedTuple
 
 from viscopoint import checkpoint
+from viscopoint.arguments import checked
 from viscopoint.case import Case
 from viscopoint.checkpoint import Checkpoint, Every, Keeper
 from viscopoint.errors import InputError, ResultWarning, ViscopointWarning
@@ -49,8 +50,9 @@ class Company(NamedTuple):
     figures: bool
 
 
+@checked
 def run(
-    case: Case,
+    case: Case | str | Path,
     out: str | Path | None = None,
     *,
     force: bool = False,
@@ -62,7 +64,7 @@ def run(
     """Simulate a case and return its run folder, opened.
 
     Args:
-        case: what to simulate.
+        case: what to simulate; text is the name of a packaged case or the path of a file, as ``Case.load`` takes it.
         out: the run folder to make; by default a temporary one that goes with the returned ``Run``.
         force: replace a run folder that is already there.
         figures: draw the figures too.
@@ -82,6 +84,7 @@ def run(
         ResultWarning: the body has not the rod's mass, some of it was lost, or hourglass control took much energy.
     """
     every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
+    case = case if isinstance(case, Case) else Case.load(case)
     if out is not None:
         check_free(Path(out), force, needed=case.method.files())  # before anything takes time
     company.tell("building the model")
@@ -111,6 +114,7 @@ def run(
     return result
 
 
+@checked
 def resume(
     folder: str | Path,
     *,

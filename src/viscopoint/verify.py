@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from viscopoint import older
+from viscopoint.arguments import checked
 from viscopoint.errors import InputError
 from viscopoint.interruption import raise_for
 from viscopoint.results import Run
@@ -53,6 +54,7 @@ class Verdict(NamedTuple):
         yield from self.notes
 
 
+@checked
 def verify(folder: str | Path, *, watch: Watch | None = None, tell: Tell | None = None) -> Verdict:
     """Run a finished run's case again, in a temporary folder, and compare history, fields and summary bit by bit.
 

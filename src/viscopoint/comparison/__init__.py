@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from viscopoint.arguments import checked
 from viscopoint.body import in_half_plane
 from viscopoint.comparison import axis, outline
 from viscopoint.comparison.outline import Apart
@@ -79,6 +80,7 @@ class Comparison:
         }
 
 
+@checked
 def compare(
     runs: Sequence[Run | str | Path], times: Sequence[float] | None = None, *, any_physics: bool = False
 ) -> Comparison:
@@ -112,6 +114,7 @@ def compare(
     return Comparison(opened, _names(opened), chosen, states, tuple(different))
 
 
+@checked
 def write(comparison: Comparison, folder: Path, *, force: bool = False, figures: bool = True) -> None:
     """Leave ``comparison.json`` and the figures in a new folder.
 

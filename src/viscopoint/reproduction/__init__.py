@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from viscopoint.arguments import checked
 from viscopoint.case import Case
 from viscopoint.errors import InputError, nearest
 from viscopoint.folder import alone, disk_faults, make, whole, write_json
@@ -60,6 +61,7 @@ class Reproduction:
         }
 
 
+@checked
 def reproduce(
     out: str | Path, only: Collection[str] = (), resolution: str = "paper", watch: Watch | None = None
 ) -> Reproduction:

@@ -1,0 +1,76 @@
+"""Checks what is handed to the Python API, so that a slip gets a message and not an error from deep inside."""
+
+import functools
+import inspect
+import types
+import typing
+from collections.abc import Callable, Collection, Mapping
+from numbers import Integral, Real
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar, get_args, get_origin
+
+from viscopoint.errors import InputError
+from viscopoint.wording import clipped, one_line
+
+P, R = ParamSpec("P"), TypeVar("R")
+WORDS = {
+    str: "text",
+    Path: "a path",
+    bool: "True or False",
+    int: "a whole number",
+    float: "a number",
+    type(None): "None",
+}
+LONGEST = 60  # characters of a value that a message shows
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a function raise ``InputError`` for an argument that is not of the type that it is annotated with."""
+    signature = inspect.signature(function)
+
+    @functools.wraps(function)
+    def check(*words: P.args, **named: P.kwargs) -> R:
+        hints = typing.get_type_hints(function)
+        for name, value in signature.bind(*words, **named).arguments.items():
+            if name in hints and not _fits(value, hints[name]):
+                place = function.__qualname__.removesuffix(".__init__")
+                shown = clipped(one_line(repr(value)), LONGEST)
+                raise InputError(f"{place}, {name}: {shown} is not {_told(hints[name])}")
+        return function(*words, **named)
+
+    return check
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        return any(_fits(value, choice) for choice in inner)
+    if hint is Any:
+        return True
+    if origin is Callable:
+        return callable(value)
+    if origin is not None and issubclass(origin, Mapping):
+        return isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
+    if origin is not None and issubclass(origin, Collection):
+        return _is_list(value) and all(_fits(entry, inner[0]) for entry in value)
+    if hint in (int, float):  # NumPy's numbers are numbers too
+        return isinstance(value, Integral if hint is int else Real) and not isinstance(value, bool)
+    return isinstance(value, hint)
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, Collection) and not isinstance(value, str | bytes | Mapping)
+
+
+def _told(hint: Any) -> str:
+    """Say what may be given."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        return " or ".join(_told(choice) for choice in inner)
+    if origin is Callable:
+        return "a function"
+    if origin is not None and issubclass(origin, Mapping):
+        return "a table with text as keys"
+    if origin is not None and issubclass(origin, Collection):
+        return f"a list of ({_told(inner[0])})"
+    return WORDS.get(hint, f"a {getattr(hint, '__name__', hint)}")

@@ -7,12 +7,12 @@ import typing
 from collections.abc import Callable, Collection, Mapping
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar, get_args, get_origin
+from typing import Any, TypeVar, get_args, get_origin
 
 from viscopoint.errors import InputError
 from viscopoint.wording import clipped, one_line
 
-P, R = ParamSpec("P"), TypeVar("R")
+F = TypeVar("F", bound=Callable[..., Any])
 WORDS = {
     str: "text",
     Path: "a path",
@@ -24,12 +24,12 @@ WORDS = {
 LONGEST = 60  # characters of a value that a message shows
 
 
-def checked(function: Callable[P, R]) -> Callable[P, R]:
+def checked(function: F) -> F:
     """Let a function raise ``InputError`` for an argument that is not of the type that it is annotated with."""
     signature = inspect.signature(function)
 
     @functools.wraps(function)
-    def check(*words: P.args, **named: P.kwargs) -> R:
+    def check(*words: Any, **named: Any) -> Any:
         hints = typing.get_type_hints(function)
         for name, value in signature.bind(*words, **named).arguments.items():
             if name in hints and not _fits(value, hints[name]):
@@ -38,7 +38,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
                 raise InputError(f"{place}, {name}: {shown} is not {_told(hints[name])}")
         return function(*words, **named)
 
-    return check
+    return typing.cast(F, check)
 
 
 def _fits(value: Any, hint: Any) -> bool:

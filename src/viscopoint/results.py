@@ -2,6 +2,7 @@
 
 import csv
 import functools
+import math
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,7 +38,7 @@ CORRUPT = (
 LARGEST_PROVENANCE, LARGEST_SUMMARY, LARGEST_HISTORY = 1_000_000, 16_000_000, 4_000_000_000  # bytes
 LARGEST_FIELDS = 2**50  # bytes; of these, what is asked for is read alone
 ALWAYS = ("position", "displacement", "velocity", "lost", "stress", "pressure", "von_mises")  # fields of any method
-NEAR = 1e-6  # relative: a time given in words and a snapshot's that differ by less are the same
+NEAR = 1e-6  # of the last time: a time given in words and a snapshot's that differ by less are the same
 
 
 @dataclass(frozen=True)
@@ -208,10 +209,12 @@ class Run:
             time = parse(text, "ms")
         except ValueError as error:
             raise InputError(f'snapshot "{text}" {error}; write a time such as "20 us"') from None
-        for number, instant in enumerate(self.times):
-            if abs(instant - time) <= NEAR * self.times[-1]:
-                return number
-        there = ", ".join(f"{instant * 1e3:g} us" for instant in self.times)
+        apart = np.abs(self.times - time)
+        number = int(apart.argmin())
+        shown = [f"{instant * 1e3:g} us" for instant in self.times]
+        if apart[number] <= NEAR * self.times[-1] or math.isclose(time, parse(shown[number], "ms"), rel_tol=1e-12):
+            return number
+        there = ", ".join(shown)
         raise InputError(f'run folder {self.folder}: no snapshot at "{text}"; there are {there}')
 
     def _file(self, name: str, most: int = LARGEST_FIELDS) -> Path:

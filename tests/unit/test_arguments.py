@@ -1,7 +1,7 @@
 from operator import attrgetter
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -58,8 +58,9 @@ def test_an_argument_of_the_wrong_kind_is_named_with_what_is_allowed(
 
 def test_what_is_as_good_is_taken(finished: Path):
     run = vp.Run(str(finished))
-    assert run.snapshot(np.int64(1)).time == run.snapshot(1, only={"velocity"}).time
-    assert vp.compare((run, str(finished)), np.array([0.002])).times == (0.002,)
+    second, times = cast(Any, np.int64(1)), cast(Any, np.array([0.002]))
+    assert run.snapshot(second).time == run.snapshot(1, only={"velocity"}).time
+    assert vp.compare((run, str(finished)), times).times == (0.002,)
     assert run.case.with_(title="mine").title == "mine"
 
 

@@ -27,6 +27,21 @@ def test_snapshots_are_hit_exactly(finished: Path):
         run.snapshot(99)
 
 
+def test_a_snapshot_is_found_by_its_time_as_it_is_shown(tmp_path: Path, quick: vp.Case):
+    times = ["0.1000034 us", "0.3686168449 us", "0.36861689 us"]
+    case = quick.with_({"time.end": "0.7000016 us", "time.snapshots": times})
+    run = vp.run(case, tmp_path / "run", figures=False)
+    with pytest.raises(vp.InputError, match=r"there are 0 us, 0\.100003 us, 0\.368617 us, 0\.368617 us, 0\.700002 us"):
+        run.snapshot("0.5 us")
+    assert run.snapshot("0.100003 us").time == 0.1000034e-3
+    assert run.snapshot("0.700002 us").time == 0.7000016e-3
+    for number, text in enumerate(times, 1):  # of those that look alike, the nearest
+        assert run.snapshot(text).time == run.times[number]
+    for near in ("0.10001 us", "0.36862 us", "0.7 us"):
+        with pytest.raises(vp.InputError, match="no snapshot at"):
+            run.snapshot(near)
+
+
 def test_a_snapshot_reads_only_the_fields_that_are_wanted(finished: Path):
     run = vp.Run(finished)
     some, whole = run.snapshot(-1, only=("position", "stress", "deleted")), run.snapshot(-1)

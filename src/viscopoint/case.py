@@ -25,6 +25,7 @@ from viscopoint.untrusted import contents, is_inside, toml
 LONGEST_FILE = 1_000_000  # bytes
 RECOMMENDED, RADIUS_IN_SPACINGS = "tlmpm", 10.0  # the method of a case that names none
 SECONDARY = ("misfit", "default_factory_not_called")  # told by ``broken``; made by another fault
+CHOICES = ("law", "name")  # keys that say what else is in their table
 SHARED = {"bulk_viscosity", "geometry", "precision"}  # keys of [method] that another method takes over
 
 
@@ -71,7 +72,8 @@ class Case(Table):
 
         Args:
             source: such as "paper", or "my/case.toml".
-            changes: values by dotted key, such as ``{"rod.radius": "4 mm"}``, put over those of the file.
+            changes: values by dotted key, such as ``{"rod.radius": "4 mm"}``, put over those of the file, in any order.
+                A table, such as ``{"method": {"name": "fem", "size": "0.5 mm"}}``, takes the place of the whole one.
             method: "mpm", "fem" or "tlmpm", to use in place of the case's own at the same distance of points or nodes.
             mend: puts the tables of an older file into present words.
 
@@ -84,9 +86,7 @@ class Case(Table):
             tables = mend(tables) if mend else tables
             if method is not None:
                 tables = tables | {"method": _replaced(cls.from_tables(tables, str(source)).method, method)}
-            for key, value in (changes or {}).items():
-                tables = merged(tables, _nested(key, value))
-            return cls.from_tables(tables, str(source))
+            return cls.from_tables(_changed(tables, changes or {}), str(source))
         except RecursionError:
             raise InputError(f"{source}: tables nested too deeply; a case has at most three levels") from None
 
@@ -108,12 +108,10 @@ class Case(Table):
     def with_(self, changes: Mapping[str, Any] | None = None, /, **tables: Any) -> Self:
         """Return a changed copy, checked again.
 
-        ``case.with_({"material.decay": "65 1/ms"})`` and ``case.with_(material={"decay": "65 1/ms"})`` do the same.
+        ``case.with_({"material.decay": "65 1/ms"})`` and ``case.with_(material={"decay": "65 1/ms"})`` do the same:
+        named tables are put over those of the case key by key; ``changes`` are as ``load`` takes them.
         """
-        result = merged(self.to_tables(), tables)
-        for key, value in (changes or {}).items():
-            result = merged(result, _nested(key, value))
-        return self.from_tables(result, "the changed case")
+        return self.from_tables(_changed(merged(self.to_tables(), tables), changes or {}), "the changed case")
 
     def resolved(self) -> Self:
         """Return the case with what it leaves to be derived from other keys (the box, how often to write) spelt out."""
@@ -166,11 +164,38 @@ def changes_of(settings: Iterable[str]) -> dict[str, Any]:
         key, equals, text = setting.partition("=")
         if not equals or not all(part.strip() for part in key.split(".")):
             raise InputError(f"--set {setting}: write it as KEY=VALUE, such as rod.radius='4 mm'")
+        if key.strip() in changes:
+            raise InputError(f"--set {setting}: {key.strip()} is set twice")
         try:
             changes[key.strip()] = toml(f"value = {text}")["value"]
         except (ValueError, KeyError):
             changes[key.strip()] = text.strip()
     return changes
+
+
+def _changed(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return tables with changes by dotted key: first whole tables, then laws and methods, then what is in them."""
+
+    def place(change: tuple[str, Any]) -> tuple[int, bool]:
+        steps = change[0].split(".")
+        return (len(steps) if len(steps) > 1 else 0), steps[-1] not in CHOICES
+
+    result = dict(tables)
+    for key, value in sorted(changes.items(), key=place):
+        chooses = key.rpartition(".")[2] in CHOICES
+        result = merged(result, _nested(key, value)) if chooses else _with(result, key, value)
+    return result
+
+
+def _with(tables: Mapping[str, Any], key: str, value: Any, above: str = "") -> dict[str, Any]:
+    """Return tables with a value at a dotted key, in place of what is there."""
+    name, _, rest = key.partition(".")
+    if rest:
+        inner = tables.get(name, {})
+        if not isinstance(inner, Mapping):
+            raise InputError(f"{above}{key}: cannot be set, as {above}{name} is no table")
+        value = _with(inner, rest, value, f"{above}{name}.")
+    return {**tables, name: value}
 
 
 def merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -179,7 +204,7 @@ def merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
     for key, value in changes.items():
         old = result.get(key)
         if isinstance(old, Mapping) and isinstance(value, Mapping):
-            chooses = any(choice in value and value[choice] != old.get(choice) for choice in ("law", "name"))
+            chooses = any(choice in value and value[choice] != old.get(choice) for choice in CHOICES)
             result[key] = dict(value) if chooses else merged(old, value)
         else:
             result[key] = value

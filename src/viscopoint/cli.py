@@ -35,7 +35,12 @@ CaseName = Annotated[
 RunFolder = Annotated[Path, typer.Argument(metavar="RUN", help="A run folder.")]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help='Change a key of the case, as in --set rod.radius="4 mm".'),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help='Change a key of the case, as in --set rod.radius="4 mm"; order does not matter. '
+        "A table in braces replaces the whole table.",
+    ),
 ]
 CheckpointEvery = Annotated[
     str,

@@ -2,9 +2,12 @@ import json
 import tomllib
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import viscopoint as vp
-from viscopoint.case import merged
+from viscopoint.case import changes_of, merged
+from viscopoint.fem.inputs import FEMInput
 from viscopoint.model import build
 from viscopoint.mpm.contacts.gated import Gated
 from viscopoint.mpm.contacts.nodes import Nodes
@@ -258,3 +261,45 @@ def test_schema_describes_every_key_of_the_paper_s_case():
         "fill": ["lattice", "rings", "trimmed"],
         "volume": ["cell-mean", "local"],
     }
+
+
+FEM_BY_KEYS = {
+    "method": {"name": "tlmpm", "spacing": "0.5 mm"},
+    "method.name": "fem",
+    "method.size": "0.5 mm",
+    "method.hourglass": {"form": "viscous"},
+    "method.hourglass.coefficient": 0.05,
+    "material": {"law": "elastic", "density": "1 g/cm^3", "bulk": "1 GPa", "shear": "1 GPa"},
+    "material.shear": "2 GPa",
+}
+
+
+@given(st.permutations(list(FEM_BY_KEYS)))
+def test_changes_have_no_order(keys: list[str]):
+    case = vp.Case.load("paper", {key: FEM_BY_KEYS[key] for key in keys})
+    assert isinstance(case.method, FEMInput)
+    assert (case.method.size, case.method.hourglass.form, case.method.hourglass.coefficient) == (0.5, "viscous", 0.05)
+    assert case.material.shear == 2000.0
+
+
+def test_a_table_given_whole_replaces():
+    tables = {"name": "mpm", "cell": "1 mm", "spacing": "0.5 mm"}
+    case = vp.Case.load("paper", {"method": tables})
+    assert isinstance(case.method, MPMInput)
+    assert case.method.box is None  # the paper's own is gone
+    assert vp.Case.load("paper").with_({"method": tables}) == case
+    merged_in = vp.Case.load("paper").with_(method=tables).method
+    assert isinstance(merged_in, MPMInput)
+    assert merged_in.box is not None
+    assert faults({"rod": {"radius": "4 mm"}}) == {"rod.length": 'is missing; write a length such as "0.5 mm"'}
+
+
+@pytest.mark.parametrize("settings", [["rod.radius=4 mm", "rod.radius=5 mm"], [" rod.radius =4 mm", "rod.radius=4 mm"]])
+def test_a_key_that_is_set_twice_is_refused(settings: list[str]):
+    with pytest.raises(vp.InputError, match=r"rod\.radius is set twice"):
+        changes_of(settings)
+
+
+def test_a_key_in_what_is_no_table_is_refused():
+    with pytest.raises(vp.InputError, match=r"rod\.radius\.x: cannot be set, as rod\.radius is no table"):
+        vp.Case.load("paper", {"rod.radius.x": 4})

@@ -1,15 +1,19 @@
+import io
 import json
 import shutil
 from pathlib import Path
+from typing import cast
 
 import h5py
 import numpy as np
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
 import viscopoint as vp
 from viscopoint.cli import app
 from viscopoint.comparison import Comparison, axis, compare, differing, outline, wall_force
+from viscopoint.comparison.table import tables
 
 R, L = 1.5, 10.0
 
@@ -276,3 +280,33 @@ def test_a_full_disk_ends_with_code_3(
     monkeypatch.setattr("viscopoint.comparison.write_json", full)
     code, _, messages = called(finished_fem, finished, "--out", tmp_path / "made")
     assert (code, "No space left on device" in messages) == (3, True)
+
+
+@pytest.mark.parametrize("width", [80, 120])
+@pytest.mark.parametrize("count", [2, 5, 12])
+def test_any_number_of_runs_is_shown_in_full_at_any_width(finished: Path, finished_fem: Path, count: int, width: int):
+    runs = [vp.Run(finished_fem), *([vp.Run(finished)] * (count - 1))]
+    single = compare([finished_fem, finished])
+    names = ("reference", *(f"a-run-with-a-name-longer-than-its-numbers-{number}" for number in range(1, count)))
+    states = tuple((first, *[other] * (count - 1)) for first, other in single.states)
+    many = Comparison(tuple(runs), names, single.times, states, ())
+    screen = Console(width=width, file=io.StringIO(), highlight=False)
+    for table in tables(many, width):
+        screen.print(table)
+    lines = cast(io.StringIO, screen.file).getvalue().splitlines()
+    assert "…" not in "".join(lines)
+    assert max(map(len, lines)) <= width
+    row = vp.Run(finished).rows[-1]
+    radius, speed = f"{row.foot_radius:.3f} (", f"{row.velocity:.2f} ("
+    for shown, words in ((radius, "foot radius"), (speed, "velocity of centre of mass")):
+        found = [line.count(shown) for line in lines if line.strip().startswith(words)]
+        assert sum(found) == count - 1  # of the last time; each run once
+    first = f"{vp.Run(finished_fem).rows[-1].foot_radius:.3f} "
+    assert all(first in line for line in lines if "foot radius" in line and radius in line)  # beside its reference
+
+
+def test_twelve_runs_are_compared_on_the_command_line(finished: Path, tmp_path: Path):
+    runs = [shutil.copytree(finished, tmp_path / f"run-{number}") for number in range(12)]
+    code, out, _ = called(*runs, "--out", tmp_path / "made", "--no-figures")
+    assert (code, "…" in out) == (0, False)
+    assert all(f"run-{number} " in out.replace("\n", " ") for number in range(12))

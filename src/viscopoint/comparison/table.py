@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from rich.markup import escape
 from rich.table import Table
 
-from viscopoint.comparison import Comparison
+from viscopoint.comparison import Comparison, State
 
 ROWS = {  # quantity: what is printed, unit, decimals, what a difference is a share of
     "length": ("length", "mm", 3, "itself"),
@@ -25,6 +25,7 @@ ROWS = {  # quantity: what is printed, unit, decimals, what a difference is a sh
     "friction": ("friction", "mJ", 1, "energy"),
     "numerical": ("numerical remainder", "mJ", 1, "energy"),
 }
+PAD, LEAST = 2, 12  # between columns; of a name, before it is folded
 SELDOM = ("hourglass", "eroded", "friction")  # left out where they are zero
 NOTE = (
     "In brackets the difference from the first run, per cent: of its value; for velocities of the impact speed; for "
@@ -33,27 +34,54 @@ NOTE = (
 )
 
 
-def tables(comparison: Comparison) -> Iterator[Table]:
-    """Yield a table for each time, a column for each run."""
-    reference = comparison.runs[0]
-    bases: dict[str, float] = {"speed": reference.case.impact.speed, "energy": reference.results.initial_energy}
+Line = tuple[str, str, list[str]]  # quantity, unit and a cell for each run
+
+
+def tables(comparison: Comparison, width: int = 120) -> Iterator[Table]:
+    """Yield for each time a table with a column for each run; several, each with the first run, if one is too wide."""
     for time, states in zip(comparison.times, comparison.states, strict=True):
-        table = Table(f"{time * 1e3:g} us", "", *map(escape, comparison.names), box=None)
-        for column in table.columns[2:]:
-            column.justify = "right"
-        for name, (words, unit, digits, base) in ROWS.items():
-            values = [getattr(state.row, name) for state in states]
-            if name in SELDOM and not any(values):
-                continue
-            table.add_row(words, unit, *_cells(values, digits, bases[base] if base in bases else values[0]))
-        forces = [state.wall_force for state in states]
-        others = states[1:]
-        table.add_row("wall force", "N", *_cells(forces, 1, forces[0]))
-        table.add_row("outline, area between", "%", "", *(f"{100.0 * state.apart.area:.2f}" for state in others))
-        table.add_row("outline, distance", "mm", "", *(f"{state.apart.distance:.3f}" for state in others))
-        table.add_row("velocity along the axis", "m/s", "", *(f"{state.axial_velocity:.2f}" for state in others))
-        table.add_row()
-        yield table
+        lines = list(_lines(comparison, states))
+        widths = [
+            max(min(len(name), LEAST), *(len(cells[run]) for *_, cells in lines))
+            for run, name in enumerate(comparison.names)
+        ]
+        groups = list(_groups([max(len(line[column]) for line in lines) for column in (0, 1)], widths, width))
+        for number, group in enumerate(groups, 1):
+            part = f"\n{number} of {len(groups)}" if len(groups) > 1 else ""
+            table = Table(f"{time * 1e3:g} us{part}", "", box=None)
+            for run in group:
+                table.add_column(escape(comparison.names[run]), justify="right", overflow="fold", width=widths[run])
+            for quantity, unit, cells in lines:
+                table.add_row(quantity, unit, *(cells[run] for run in group))
+            table.add_row()
+            yield table
+
+
+def _groups(labels: list[int], widths: list[int], most: int) -> Iterator[list[int]]:
+    """Yield the numbers of the runs of each table: the first one, and as many others as fit in beside the labels."""
+    start = sum(PAD + width for width in (*labels, widths[0]))
+    group, used = [0], start
+    for run, width in enumerate(widths[1:], 1):
+        if len(group) > 1 and used + PAD + width > most:
+            yield group
+            group, used = [0], start
+        group.append(run)
+        used += PAD + width
+    yield group
+
+
+def _lines(comparison: Comparison, states: tuple[State, ...]) -> Iterator[Line]:
+    reference, others = comparison.runs[0], states[1:]
+    bases: dict[str, float] = {"speed": reference.case.impact.speed, "energy": reference.results.initial_energy}
+    for name, (words, unit, digits, base) in ROWS.items():
+        values = [getattr(state.row, name) for state in states]
+        if name not in SELDOM or any(values):
+            yield words, unit, _cells(values, digits, bases[base] if base in bases else values[0])
+    forces = [state.wall_force for state in states]
+    yield "wall force", "N", _cells(forces, 1, forces[0])
+    yield "outline, area between", "%", ["", *(f"{100.0 * state.apart.area:.2f}" for state in others)]
+    yield "outline, distance", "mm", ["", *(f"{state.apart.distance:.3f}" for state in others)]
+    yield "velocity along the axis", "m/s", ["", *(f"{state.axial_velocity:.2f}" for state in others)]
 
 
 def _cells(values: list[float], digits: int, base: float) -> list[str]:

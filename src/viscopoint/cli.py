@@ -4,6 +4,7 @@ import contextlib
 import errno
 import gc
 import io
+import os
 import sys
 import warnings
 from collections.abc import Iterator
@@ -25,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="A laboratory for the Taylor impact test of viscoelastic solids.",
     epilog="Exit codes: 0 done, 1 stopped by a guard, 2 bad input, 3 results could not be written, 130 interrupted "
-    "(143: by SIGTERM). "
+    "(143: by SIGTERM). Output that nobody reads, as after `| head -1` or `>&-`, changes none of them. "
     "The environment variable VISCOPOINT_CACHE names the folder of compiled code (default: the user's cache folder).",
 )
 
@@ -131,8 +132,9 @@ def verify(run: RunFolder, threads: Threads = None) -> None:
         with terminal.progress("reading") as progress:
             company = _Company(progress)
             verdict = verify_run(run, watch=company.watch, tell=company.tell)
-        for words in verdict.words():
-            typer.echo(words)
+        with _to_the_last_reader():
+            for words in verdict.words():
+                typer.echo(words)
         if not verdict.same:
             raise typer.Exit(1)
 
@@ -168,7 +170,7 @@ def compare(
         made = comparison.compare(runs, any_physics=any_physics)
         comparison.write(made, out, force=force, figures=figures)
         screen = console()
-        for table in tables(made):
+        for table in tables(made, screen.width):
             screen.print(table)
         for text in (*made.warnings(), NOTE):
             screen.print(text, markup=False)
@@ -288,11 +290,44 @@ def schema() -> None:
 
 def main() -> None:
     """Run the command line."""
+    _fill_closed_streams()
     gc.set_threshold(100_000)  # hardly anything that imports and figures make is garbage: looking takes 0.2 s
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # what a narrow terminal cannot show
     app()
+
+
+def _fill_closed_streams() -> None:
+    """Open what was closed (``>&-``) as a sink, or the next file that is opened would take its place."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the lowest number that is free: this one
+    sys.stdout = sys.stdout or os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
+    sys.stderr = sys.stderr or os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
+
+
+@contextlib.contextmanager
+def _to_the_last_reader() -> Iterator[None]:
+    """Drop what is printed once its reader has had enough, as of ``| head -1``: that is no fault."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno != errno.EPIPE:
+            raise
+        for stream in (sys.stdout, sys.stderr):
+            try:
+                stream.flush()
+            except OSError:  # what is left in it would be tried again at the end
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def _say(words: str) -> None:
+    """Print a message, if anybody listens."""
+    with _to_the_last_reader():
+        typer.echo(words, err=True)
 
 
 @contextlib.contextmanager
@@ -301,21 +336,19 @@ def _messages() -> Any:
     from viscopoint.errors import OutputError, ViscopointError
 
     try:
-        with interruption.raising(), _warnings():
+        with interruption.raising(), _warnings(), _to_the_last_reader():
             yield
     except ViscopointError as error:
-        typer.echo(f"viscopoint: {error}", err=True)
+        _say(f"viscopoint: {error}")
         raise typer.Exit(error.exit_code) from None
     except MemoryError as error:
-        typer.echo(f"viscopoint: memory ran out ({one_line(str(error)) or 'no more is told'})", err=True)
+        _say(f"viscopoint: memory ran out ({one_line(str(error)) or 'no more is told'})")
         raise typer.Exit(OutputError.exit_code) from None
     except OSError as error:
-        if error.errno == errno.EPIPE:  # who reads has had enough
-            raise
-        typer.echo(f"viscopoint: {one_line(str(error))}", err=True)
+        _say(f"viscopoint: {one_line(str(error))}")
         raise typer.Exit(OutputError.exit_code) from None
     except KeyboardInterrupt as error:
-        typer.echo("viscopoint: interrupted", err=True)
+        _say("viscopoint: interrupted")
         name = "SIGTERM" if isinstance(error, interruption.Terminated) else "SIGINT"
         raise typer.Exit(interruption.exit_code(name)) from None
 
@@ -329,7 +362,7 @@ def _warnings() -> Iterator[None]:
 
     def show(words: Warning | str, category: type[Warning], *where: Any) -> None:
         if issubclass(category, ViscopointWarning):
-            typer.echo(f"viscopoint: {words}", err=True)
+            _say(f"viscopoint: {words}")
         else:
             usual(words, category, *where)
 
@@ -364,9 +397,10 @@ def _followed() -> Iterator[_Company]:
         yield company
     done = company.done
     assert done is not None
-    terminal.print_summary(done)
+    with _to_the_last_reader():
+        terminal.print_summary(done)
     if done.status == "interrupted":
-        typer.echo(f"viscopoint: go on with `viscopoint resume {one_line(str(done.folder))}`", err=True)
+        _say(f"viscopoint: go on with `viscopoint resume {one_line(str(done.folder))}`")
         raise typer.Exit(interruption.exit_code(done.results.signal))
     raise typer.Exit(0 if done.results.is_complete else 1)
 

@@ -43,9 +43,16 @@ def _unseen(share: float | None, going_on: str) -> None:
     """Take progress that nobody sees."""
 
 
+class _Screen(Console):
+    """A console that tells when its reader has had enough, instead of ending the process."""
+
+    def on_broken_pipe(self) -> None:
+        raise
+
+
 def console() -> Console:
     """Return where results are printed: as wide as the terminal, or wide enough for any table where there is none."""
-    return Console(width=None if sys.stdout.isatty() else 120, highlight=False, emoji=False)
+    return _Screen(width=None if sys.stdout.isatty() else 120, highlight=False, emoji=False)
 
 
 def print_summary(run: Run) -> None:

@@ -258,12 +258,55 @@ def test_words_that_cannot_be_written_give_code_3(finished: Path, words: tuple[s
     assert (done.returncode, done.stderr) == (3, "viscopoint: [Errno 28] No space left on device\n")
 
 
-def test_a_reader_who_has_had_enough_is_no_fault(finished: Path):
-    reading, writing = os.pipe()
-    os.close(reading)
-    with os.fdopen(writing, "w") as pipe:
-        done = process("show", finished, stdout=pipe)
-    assert "Traceback" not in done.stderr
+COARSE = [*QUICK[4:], "--set", "method.size=1.9 mm", "--method", "fem", "--no-figures"]
+STOPPED = ["--set", "guards.energy_error=1e-9"]
+
+
+def shell(line: str, *words: str | Path) -> tuple[int, str, str]:
+    """Run a line of bash, in which $V is the command line and "$@" are words; return its code, output and messages."""
+    command = ["bash", "-c", f"set -o pipefail; {line}", "bash", *map(str, words)]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env=os.environ | {"V": f"{sys.executable} -m viscopoint"}
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("closed", [">&- 2>&- <&-", "| head -1", "2>&1 | true"])
+@pytest.mark.parametrize(("settings", "code"), [([], 0), (STOPPED, 1)])
+def test_a_run_ends_with_its_own_code_whoever_reads(tmp_path: Path, closed: str, settings: list[str], code: int):
+    line = f'$V run paper --out "$@" {closed}'
+    found, out, messages = shell(line, tmp_path / "run", *COARSE, *settings)
+    assert (found, messages) == (code, "")
+    assert len(out.splitlines()) == (closed == "| head -1")
+    run = vp.Run(tmp_path / "run")
+    assert run.status == ("complete" if code == 0 else "stopped")
+    assert run.history["time"].iloc[-1] == run.rows[-1].time  # nothing was printed into the files
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "2>&1 | true"])
+@pytest.mark.parametrize(
+    ("words", "code"), [(["show"], 0), (["schema"], 0), (["cases"], 0), (["run", "papr"], 2), (["verify"], 1)]
+)
+def test_output_that_nobody_reads_changes_no_code(
+    tmp_path: Path, finished_fem: Path, closed: str, words: list[str], code: int
+):
+    other = tmp_path / "other"
+    if words == ["verify"]:  # with another result than the run had
+        shutil.copytree(finished_fem, other)
+        text = (other / "case.toml").read_text()
+        (other / "case.toml").write_text(text.replace("650.0 1/ms", "65.0 1/ms"))
+    folder = {"show": [finished_fem], "verify": [other]}.get(words[0], [])
+    found, _, messages = shell(f'$V "$@" {closed}', *words, *folder)
+    assert found == code
+    assert "Traceback" not in messages
+    assert "Exception" not in messages
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+def test_a_table_that_cannot_be_written_gives_code_3_and_keeps_the_run(tmp_path: Path):
+    code, _, messages = shell('$V run paper --out "$@" >/dev/full', tmp_path / "run", *COARSE)
+    assert (code, messages) == (3, "viscopoint: [Errno 28] No space left on device\n")
+    assert vp.Run(tmp_path / "run").status == "complete"
 
 
 def test_a_terminal_of_few_characters_shows_the_others_as_escapes(finished: Path, tmp_path: Path):

@@ -72,9 +72,12 @@ def _begun(given: Any, inside: Path) -> tuple[Any, Callable[[Choices], None]]:
     """Return the watch, and what runs one input."""
     from watch import Watch, tree
 
+    from viscopoint.errors import ViscopointWarning
+
     target: Target = importlib.import_module(f"targets.{given.target}").Target(inside, given.seeds)
     watch, before = Watch(inside), tree(given.folder / "outside")
     warnings.simplefilter("error")  # a user would see them
+    warnings.simplefilter("ignore", ViscopointWarning)  # which are meant for users
 
     def one(choices: Choices) -> None:
         watch.run(target.check, target.lay(choices))

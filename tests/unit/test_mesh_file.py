@@ -111,6 +111,57 @@ def test_surface_cells_and_lines_beside_the_hexahedra_are_ignored(tmp_path: Path
     assert np.array_equal(body.volume, ROD.volume)
 
 
+def as_gmsh_writes(position: Any, cells: Any, extra: Any) -> str:
+    """Return a legacy VTK file like Gmsh's: points of the geometry come first, each a vertex, and there is a line."""
+    points, first = np.vstack([extra, position]), len(extra)
+    entries = [[1, number] for number in range(first)] + [[2, 0, first]] + [[8, *(corner + first)] for corner in cells]
+    kinds = [1] * first + [3] + [12] * len(cells)
+    lines = ["# vtk DataFile Version 2.0", "rod, Created by Gmsh", "ASCII", "DATASET UNSTRUCTURED_GRID"]
+    lines += [f"POINTS {len(points)} double", *(" ".join(map(repr, map(float, point))) for point in points), ""]
+    lines += [f"CELLS {len(entries)} {sum(map(len, entries))}", *(" ".join(map(str, entry)) for entry in entries), ""]
+    return "\n".join([*lines, f"CELL_TYPES {len(kinds)}", *map(str, kinds), ""])
+
+
+def test_nodes_that_no_hexahedron_has_are_left_out_with_a_warning(tmp_path: Path):
+    # Gmsh keeps the centres of arcs, here beyond the rod and one that is no number
+    extra = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 99.0], [np.nan, 0.0, 0.0]])
+    file = tmp_path / "rod.vtk"
+    file.write_text(as_gmsh_writes(ROD.position, ROD.cells, extra))
+    with pytest.warns(vp.ViscopointWarning, match=r"rod\.vtk: 3 of 258 nodes belong to no hexahedron and are left out"):
+        body = read_rod(file, 1.0, RADIUS, LENGTH)
+    assert np.array_equal(body.position, ROD.position)
+    assert np.array_equal(body.cells, ROD.cells)
+    assert np.array_equal(
+        body.surface.ring,
+        read_rod(saved(grid_of(ROD.position, ROD.cells), tmp_path / "rod.vtu"), 1.0, RADIUS, LENGTH).surface.ring,
+    )
+
+
+@pytest.mark.filterwarnings("default::viscopoint.ViscopointWarning")
+def test_a_warning_of_unused_nodes_is_one_line_of_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    Path("rod.vtk").write_text(as_gmsh_writes(ROD.position, ROD.cells, np.zeros((1, 3))))
+    settings = ["method={name='fem', mesh='rod.vtk'}", "time.end=0.1 us", "time.snapshots=[]"]
+    words = [word for setting in settings for word in ("--set", setting)]
+    result = CliRunner().invoke(app, ["run", "paper", *words, "--out", "run"])
+    assert result.exit_code == 0
+    told = "viscopoint: method.mesh: rod.vtk: 1 of 256 nodes belong to no hexahedron and are left out\n"
+    assert result.stderr == told
+    with pytest.warns(vp.ViscopointWarning, match="left out"):
+        assert len(vp.Run("run").body.position) == len(ROD.position) == len(vp.Run("run").snapshot(0)["position"])
+
+
+@pytest.mark.parametrize("suffix", ["e", "exo", "ex2", "exii", "g", "gen", "G"])
+def test_exodus_files_go_by_all_their_names(tmp_path: Path, suffix: str):
+    writer: Any = vtkExodusIIWriter()
+    writer.SetFileName(str(tmp_path / "rod.exo"))
+    writer.SetInputData(pyvista.MultiBlock([grid_of(ROD.position, ROD.cells)]))
+    writer.Write()
+    body = read_rod((tmp_path / "rod.exo").rename(tmp_path / f"mesh.{suffix}"), 1.0, RADIUS, LENGTH)
+    assert (len(body.position), len(body.cells)) == (len(ROD.position), len(ROD.cells))
+    assert body.volume.sum() == pytest.approx(ROD.volume.sum())
+
+
 def test_the_mesh_is_looked_for_in_the_folder_of_the_case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "cases").mkdir()
     saved(grid_of(ROD.position, ROD.cells), tmp_path / "cases" / "rod.vtu")
@@ -164,9 +215,7 @@ def test_rounded_coordinates_still_stand_on_the_wall(tmp_path: Path):
 def bent(change: str) -> pyvista.UnstructuredGrid:
     """Return the rod's mesh with one thing wrong."""
     position, cells = ROD.position.copy(), ROD.cells.copy()
-    if change == "isolated nodes":
-        position = np.vstack([position, [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]])
-    elif change == "inverted element":
+    if change == "inverted element":
         cells[7, [0, 1]] = cells[7, [1, 0]]
     elif change == "repeated corner":
         cells[7, 1] = cells[7, 0]
@@ -179,6 +228,9 @@ def bent(change: str) -> pyvista.UnstructuredGrid:
         cells[upper] += len(position)
         there, corner = np.unique(cells, return_inverse=True)
         position, cells = np.vstack([position, position])[there], corner.reshape(-1, 8)
+    elif change == "six rods":
+        position = np.vstack([position + [20.0 * number, 0.0, 0.0] for number in range(6)])
+        cells = np.vstack([cells + number * len(ROD.position) for number in range(6)])
     elif change == "off the wall":
         position[:, 2] += 1.0
     elif change == "a little off the wall":
@@ -204,13 +256,16 @@ def cell_of(kind: str) -> pyvista.UnstructuredGrid:
 @pytest.mark.parametrize(
     ("grid", "message"),
     [
-        (bent("isolated nodes"), r"2 of 257 nodes belong to no hexahedron"),
-        (with_surface(np.vstack([ROD.position, [[0.0, 0.0, 1.0]]])), r"1 of 256 nodes belong to no hexahedron"),
         (bent("inverted element"), r"1 of 168 elements are inverted or degenerate; the worst is element 7 at \("),
         (bent("repeated corner"), r"1 of 168 elements are .* element 7 .* scaled Jacobian of 0"),
         (bent("coincident nodes"), r"elements are inverted or degenerate"),
         (bent("not a number"), r"coordinates are not all finite"),
-        (bent("two pieces"), r"2 pieces that share no node; merge"),
+        (
+            bent("two pieces"),
+            r"2 separate pieces that share no node, x -3\.8 to 3\.8, y -3\.8 to 3\.8, z 0 to 12\.7 mm; "
+            r"x -3\.8 to 3\.8, y -3\.8 to 3\.8, z 12\.7 to 25\.4 mm\. One body is supported: leave the rod alone",
+        ),
+        (bent("six rods"), r"6 separate pieces .*; x 36\.2 to 43\.8, .*; and 2 more\. One body is supported"),
         (bent("off the wall"), r"reaches from z = 1 mm to 26.4 mm"),
         (bent("a little off the wall"), r"reaches from z = 0.02 mm"),
         (bent("elements twice"), r"3 elements stand in the place of others"),

@@ -8,6 +8,7 @@ it is an extra of the package.
 import importlib.util
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -15,16 +16,17 @@ import numpy as np
 
 from viscopoint.arrays import Array, Indices, Rows
 from viscopoint.body import EXACT, Body, Surface
-from viscopoint.errors import InputError
+from viscopoint.errors import InputError, ViscopointWarning
 from viscopoint.fem.mesh import node_volumes, point_volumes, scaled_jacobians
 from viscopoint.fem.rod import rim_radius
 from viscopoint.folder import is_file
+from viscopoint.wording import one_line
 
 TOO_MANY, ELSEWHERE, OUT_OF_TIME = 3, 4, -24  # how the program ends: its own codes, and the signal SIGXCPU
 LARGEST_FILE, MOST_CELLS = 4 * 2**30, 50_000_000
 SECONDS, BYTES_PER_SECOND = 120.0, 1e6  # on the clock, PyVista's start included; the program counts its own time
 PROGRAM = Path(__file__).with_name("vtk_program.py")
-FORMATS = (".vtu", ".vtk", ".vtkhdf", ".hdf", ".exo", ".e", ".ex2")
+FORMATS = (".vtu", ".vtk", ".vtkhdf", ".hdf", ".exo", ".e", ".ex2", ".exii", ".g", ".gen")
 UNREADABLE = "cannot be read; is it whole, and of the format that its name says?"
 WRONG = {
     TOO_MANY: f"holds more than {MOST_CELLS:,} elements",
@@ -34,6 +36,7 @@ WRONG = {
 HEXAHEDRON, VOXEL = 12, 11  # VTK's cell types
 FLAT = 9  # cell types up to this one have no volume: vertices, lines, triangles, quadrilaterals, pixels
 SOUND = 1e-6  # a scaled Jacobian below this is none
+MOST_TOLD = 4  # pieces in a message
 SAME = 1e-3  # relative: how well a mesh must agree with the [rod] table
 FARTHEST = 1e15  # mm, as of any length in a case; products of such are finite
 FEWEST = 8  # nodes around the rod, of the coarsest mesh
@@ -51,7 +54,7 @@ def read_rod(path: Path, unit: float, radius: float, length: float) -> Body:
     found = _read(path)
     _check_kinds(found["kinds"], found["names"], path)
     with np.errstate(over="ignore", invalid="ignore"):  # told below
-        position, cells = found["position"] * unit, found["corner"]
+        position, cells = _used(found["position"] * unit, found["corner"], path)
     _check_cells(position, cells, path)
     _check_rod(position, radius, length, path)
     _check_shapes(position, cells, path)
@@ -132,21 +135,34 @@ def _check_kinds(kinds: Rows, names: Rows, path: Path) -> None:
         )
 
 
-def _check_cells(position: Array, cells: Indices, path: Path) -> None:
+def _used(position: Array, cells: Indices, path: Path) -> tuple[Array, Indices]:
+    """Return the nodes that hexahedra have, and the hexahedra; meshers leave others, such as the centres of arcs."""
     if not len(cells):
         raise InputError(f"method.mesh: {path}: holds no hexahedra that can be read")
     if cells.min() < 0 or cells.max() >= len(position):
         raise InputError(f"method.mesh: {path}: elements have nodes beyond the {len(position)} that there are")
+    there, corner = np.unique(cells, return_inverse=True)
+    if len(there) == len(position):
+        return position, cells
+    many = f"{len(position) - len(there)} of {len(position)} nodes belong to no hexahedron and are left out"
+    warnings.warn(one_line(f"method.mesh: {path}: {many}"), ViscopointWarning, stacklevel=2)
+    return position[there], corner.reshape(cells.shape)
+
+
+def _check_cells(position: Array, cells: Indices, path: Path) -> None:
     if not np.isfinite(position).all():
         raise InputError(f"method.mesh: {path}: coordinates are not all finite")
     if abs(position).max() > FARTHEST:
         raise InputError(f"method.mesh: {path}: coordinates reach {abs(position).max():g} mm; allowed are {FARTHEST:g}")
-    alone = len(position) - len(np.unique(cells))
-    if alone:
-        raise InputError(f"method.mesh: {path}: {alone} of {len(position)} nodes belong to no hexahedron; remove them")
-    pieces = _pieces(len(position), cells)
-    if pieces > 1:
-        raise InputError(f"method.mesh: {path}: {pieces} pieces that share no node; merge the nodes at the same place")
+    piece = _pieces(len(position), cells)
+    labels = np.unique(piece)
+    if len(labels) > 1:
+        extents = [_extent(position[piece == label]) for label in labels[:MOST_TOLD]]
+        rest = f"; and {len(labels) - MOST_TOLD} more" if len(labels) > MOST_TOLD else ""
+        raise InputError(
+            f"method.mesh: {path}: {len(labels)} separate pieces that share no node, {'; '.join(extents)}{rest}. One "
+            "body is supported: leave the rod alone in the file; pieces of one body take common nodes where they touch"
+        )
 
 
 def _check_shapes(position: Array, cells: Indices, path: Path) -> None:
@@ -180,8 +196,13 @@ def _check_volume(position: Array, cells: Indices, radius: float, length: float,
         )
 
 
-def _pieces(count: int, cells: Indices) -> int:
-    """Return how many parts of the mesh are not connected."""
+def _extent(position: Array) -> str:
+    low, high = position.min(axis=0), position.max(axis=0)
+    return ", ".join(f"{axis} {a:.4g} to {b:.4g}" for axis, a, b in zip("xyz", low, high, strict=True)) + " mm"
+
+
+def _pieces(count: int, cells: Indices) -> Indices:
+    """Return of each node the least number of a node of its piece, whose nodes are connected by elements."""
     label = np.arange(count)
     while True:
         least = label[cells].min(axis=1)
@@ -189,7 +210,7 @@ def _pieces(count: int, cells: Indices) -> int:
         np.minimum.at(after, cells.ravel(), np.repeat(least, cells.shape[1]))
         after = after[after]
         if (after == label).all():
-            return len(np.unique(label))
+            return label
         label = after
 
 

@@ -17,6 +17,7 @@ import pyvista
 
 HEXAHEDRON, VOXEL = 12, 11  # VTK's cell types
 VOXEL_CORNERS = [0, 1, 3, 2, 4, 5, 7, 6]  # of a voxel, in the order of a hexahedron's
+EXODUS = (".e", ".exo", ".ex2", ".exii", ".g", ".gen")  # of these PyVista knows some, and .g as another format
 TOO_MANY, ELSEWHERE = 3, 4  # exit codes: more cells than there may be; data in other files
 # What a file may take, beside what PyVista takes itself. Compressed files of meshes grow to ten times their size.
 SECONDS, BYTES_PER_SECOND = 2, 2e6
@@ -96,7 +97,8 @@ def cells(grid: Any) -> np.ndarray:
 def convert(source: str, target: str, most: int) -> None:
     """Read ``source``, of at most so many cells, and write ``target``, an .npz file."""
     warnings.filterwarnings("error", "The VTK reader")  # PyVista returns what little was read
-    grid: Any = pyvista.read(source)
+    exodus = Path(source).suffix.lower() in EXODUS
+    grid: Any = pyvista.read(source, force_ext=".ex2" if exodus else None)
     if isinstance(grid, pyvista.MultiBlock):
         _bound(sum(block.n_cells for block in grid.recursive_iterator(skip_none=True)), most)
         grid = grid.combine(merge_points=True)  # blocks of Exodus files have their own copies of shared nodes

@@ -69,6 +69,8 @@ def _seeds(folder: Path) -> dict[str, bytes]:
     box = pyvista.ImageData(dimensions=(3, 3, 3), origin=(-edge, -edge, 0.0), spacing=(edge, edge, LENGTH / 2))
     grid.save(folder / "text.vtu", binary=False)
     grid.save(folder / "binary.vtu")
+    spare = np.vstack([rod.position, np.zeros((3, 3))])
+    pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: rod.cells}, spare).save(folder / "spare.vtu", binary=False)
     grid.save(folder / "text.vtk", binary=False)
     grid.save(folder / "binary.vtk")
     grid.save(folder / "rod.vtkhdf")

@@ -53,8 +53,9 @@ class TotalLagrangianMethod:
         dissipating="the integration is becoming unstable; take a smaller method.safety",
         gaining="the body is too distorted for its undeformed grid, or the integration is becoming unstable; look at "
         "the last snapshot, take a smaller method.safety",
-        collapsed="points are turned inside out or nearly so. Take a larger method.cell or a smaller impact speed, or "
-        'the method "mpm", whose grid does not deform',
+        collapsed="the impact is too violent for this resolution: where a soft body hits faster than its shear waves "
+        'run, the rim of its foot is squeezed flat, cut points first. Take method.fill = "rings" or method.geometry = '
+        '"axisymmetric", which cut none, a larger method.spacing, or the method "mpm", whose grid does not deform',
     )
 
     def __init__(
@@ -187,7 +188,15 @@ class TotalLagrangianMethod:
         return 0.0
 
     def weakest(self) -> str:
-        return ""
+        material = np.flatnonzero(self.points.volume > 0.0)
+        deformation = self.points.deformation[material].astype(float).reshape(-1, 3, 3)
+        if not np.isfinite(deformation).all():
+            return ""
+        stretch = np.linalg.svd(deformation, compute_uv=False)[:, 2] * np.sign(np.linalg.det(deformation))
+        flattest = int(stretch.argmin())
+        x, y, z = self.points.position[material[flattest]]
+        state = "is turned inside out" if stretch[flattest] <= 0.0 else f"is squeezed to {stretch[flattest]:.2g} times"
+        return f"the material at ({x:.3g}, {y:.3g}, {z:.3g}) mm {state}"
 
     def velocities(self) -> Array:
         """Return the points' velocity, Σ N v_i."""

@@ -86,8 +86,8 @@ def strain_points(
                             remember(points, p, work, i, blank)
                             push(force, lattice, around(points, p, lattice, shape), Matrix(*kept(work, STEP, i, NINE)))
                             least = min(least, kept(work, STEP_LENGTH, i, 0.0))
-                        else:
-                            least = 0.0  # turned inside out: no step is short enough
+                        elif kept(work, VOLUME, i, 0.0) > 0.0:
+                            least = 0.0  # turned inside out: no step is short enough. What is only watched may
                     cell = last
                 critical[slab] = least
 

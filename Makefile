@@ -2,8 +2,9 @@
 
 VENV := .venv
 RUN := $(VENV)/bin
+LOWEST := .venv-lowest
 
-.PHONY: reproduce test test-long lint bench clean
+.PHONY: reproduce test test-long test-lowest lint bench clean
 
 reproduce: $(VENV)/.installed  ## the main job: the paper, by both methods, with a report
 	$(RUN)/viscopoint reproduce
@@ -14,6 +15,10 @@ test: $(VENV)/.installed-dev  ## run the tests
 test-long: $(VENV)/.installed-dev  ## run the studies that take many minutes
 	$(RUN)/pytest -m long
 
+test-lowest: $(LOWEST)/.installed  ## run a few tests with the lowest versions that pyproject.toml allows
+	$(LOWEST)/bin/python -m pytest -o filterwarnings=default tests/unit/test_units.py tests/unit/test_case.py \
+	  tests/unit/test_every_method.py
+
 lint: $(VENV)/.installed-dev  ## ruff and pyright
 	$(RUN)/ruff check .
 	$(RUN)/ruff format --check .
@@ -23,24 +28,29 @@ bench: $(VENV)/.installed  ## measure speed, memory and start-up
 	$(RUN)/viscopoint bench --out runs/bench.json --force
 
 clean:
-	rm -rf $(VENV)
+	rm -rf $(VENV) $(LOWEST)
 
 # uv where it exists, else venv and pip
-$(VENV)/bin/python:
-	@if command -v uv >/dev/null 2>&1; then uv venv --quiet --seed --allow-existing $(VENV); \
-	else python3 -m venv $(VENV); fi
+%/bin/python:
+	@if command -v uv >/dev/null 2>&1; then uv venv --quiet --seed --allow-existing $*; \
+	else python3 -m venv $*; fi
 
 comma := ,
 
+# of a virtual environment: the package with extras, and more options
 define install
-	@if command -v uv >/dev/null 2>&1; then uv pip install --quiet --python $(RUN)/python -e '.$(1)'; \
-	else $(RUN)/python -m pip install --quiet --disable-pip-version-check -e '.$(1)'; fi
+	@if command -v uv >/dev/null 2>&1; then uv pip install --quiet --python $(1)/bin/python -e '.$(2)' $(3); \
+	else $(1)/bin/python -m pip install --quiet --disable-pip-version-check -e '.$(2)' $(3); fi
 	@touch $@
 endef
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
-	$(call install,)
+	$(call install,$(VENV))
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/python
-	$(call install,[test$(comma)lint])
+	$(call install,$(VENV),[test$(comma)lint])
 	@touch $(VENV)/.installed
+
+$(LOWEST)/.installed: pyproject.toml .ci/lowest.py | $(LOWEST)/bin/python
+	@$(LOWEST)/bin/python .ci/lowest.py > $(LOWEST)/constraints.txt
+	$(call install,$(LOWEST),[mesh],pytest hypothesis -c $(LOWEST)/constraints.txt)

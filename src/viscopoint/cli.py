@@ -53,7 +53,9 @@ CheckpointEvery = Annotated[
     ),
 ]
 Figures = Annotated[bool, typer.Option(help="Draw the figures.")]
-Threads = Annotated[int | None, typer.Option(min=1, help="Threads to compute with (default: all).")]
+Threads = Annotated[
+    int | None, typer.Option(help="Threads to compute with (default: one for a small model, else all).")
+]
 
 
 def _print_version(wanted: bool) -> None:
@@ -98,12 +100,11 @@ def run(
         from viscopoint.running import run as run_case
 
         resolved = Case.load(case, changes_of(changes or []), method=method)
-        _use_threads(threads)
         name = Path(case).name.removesuffix(".toml")
         folder = out or Path("runs", f"{name}-{method}" if method else name)
         company.done = run_case(
             resolved, folder, force=force, figures=figures, checkpoint_every=checkpoint_every,
-            watch=company.watch, tell=company.tell,
+            threads=threads, watch=company.watch, tell=company.tell,
         )  # fmt: skip
 
 
@@ -115,10 +116,10 @@ def resume(
     with _messages(), _followed() as company:
         from viscopoint.running import resume as resume_run
 
-        _use_threads(threads)
         company.done = resume_run(
-            run, figures=figures, checkpoint_every=checkpoint_every, watch=company.watch, tell=company.tell
-        )
+            run, figures=figures, checkpoint_every=checkpoint_every, threads=threads,
+            watch=company.watch, tell=company.tell,
+        )  # fmt: skip
 
 
 @app.command()
@@ -128,10 +129,9 @@ def verify(run: RunFolder, threads: Threads = None) -> None:
         from viscopoint import terminal
         from viscopoint.verify import verify as verify_run
 
-        _use_threads(threads)
         with terminal.progress("reading") as progress:
             company = _Company(progress)
-            verdict = verify_run(run, watch=company.watch, tell=company.tell)
+            verdict = verify_run(run, threads=threads, watch=company.watch, tell=company.tell)
         with _to_the_last_reader():
             for words in verdict.words():
                 typer.echo(words)
@@ -403,15 +403,3 @@ def _followed() -> Iterator[_Company]:
         _say(f"viscopoint: go on with `viscopoint resume {one_line(str(done.folder))}`")
         raise typer.Exit(interruption.exit_code(done.results.signal))
     raise typer.Exit(0 if done.results.is_complete else 1)
-
-
-def _use_threads(threads: int | None) -> None:
-    import numba
-
-    from viscopoint.errors import InputError
-
-    if threads is not None:
-        try:
-            numba.set_num_threads(threads)
-        except ValueError:
-            raise InputError(f"--threads {threads}: this machine has {numba.get_num_threads()}") from None

@@ -12,21 +12,18 @@ A few decorators cover every compiled function of the package:
 import contextlib
 import functools
 import os
-import shutil
-import tempfile
-import time
+import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
-import platformdirs
-from filelock import FileLock
+import numba.np.ufunc.parallel
 from numba.core import config
-from numba.core.caching import FunctionCache
 from numba.extending import overload, register_jitable
 
-from viscopoint.sources import digest
+from viscopoint import outside
+from viscopoint.errors import InputError, ViscopointError
+from viscopoint.kernel_cache import Cache, cache_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -39,57 +36,6 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 # guards report, not a branch at each "/".
 OPTIONS: Any = {"fastmath": {"arcp"}, "error_model": "numpy"}
 INLINED: Any = {**OPTIONS, "forceinline": True}  # tensors stay in registers
-UNUSED = 30 * 24 * 3600.0  # s after which compiled code of other sources is removed
-PATIENCE = 10.0  # s to wait for another process that writes compiled code; without it a kernel is compiled again
-
-
-@functools.cache
-def cache_folder() -> Path:
-    """Return the folder of compiled kernels, named after a hash of the sources.
-
-    Numba looks only at a kernel's own file to decide whether its cached code is stale; a law in another file
-    would be run stale after an edit. A folder per state of the sources cannot be. It is in the folder that the
-    environment variable ``VISCOPOINT_CACHE`` names, else in the user's cache folder; where neither can be written, in
-    that of temporary files.
-    """
-    name = f"kernels-{digest()}"
-    given = os.environ.get("VISCOPOINT_CACHE")
-    usual = platformdirs.user_cache_path("viscopoint")
-    for parent in (*([Path(given)] if given else []), usual, Path(tempfile.gettempdir(), f"viscopoint-{_user()}")):
-        with contextlib.suppress(OSError):
-            folder = parent / name
-            if not folder.is_dir():
-                _forget_unused(parent)
-                folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder):
-                os.utime(folder)  # used today
-            return folder
-    return Path(tempfile.mkdtemp(prefix="viscopoint-"))
-
-
-def _user() -> str:
-    """Return who we are, as far as anyone can tell: what another user left in a common folder is never run."""
-    return str(os.getuid()) if hasattr(os, "getuid") else "cache"
-
-
-def _forget_unused(parent: Path) -> None:
-    """Remove the kernels of states of the sources that nobody ran for long."""
-    for folder in parent.glob("kernels-" + 16 * "[0-9a-f]"):
-        with contextlib.suppress(OSError):
-            if time.time() - folder.stat().st_mtime > UNUSED:
-                shutil.rmtree(folder)
-
-
-class _Cache(FunctionCache):
-    """Numba's cache of one kernel, safe when processes write at once, and no hindrance when the disk is full.
-
-    Numba takes the next free number for a file of code, lists it and then writes it: two processes that compile a
-    kernel for different arguments at once could list one number for both.
-    """
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        with contextlib.suppress(OSError), FileLock(cache_folder() / ".lock", timeout=PATIENCE):
-            super().save_overload(sig, data)
 
 
 @contextlib.contextmanager
@@ -121,8 +67,38 @@ def serial_kernel(function: F) -> F:
 def _compiled(function: Any, parallel: bool) -> Any:
     dispatcher: Any = numba.njit(parallel=parallel, nogil=True, **OPTIONS)(function)
     with _own_cache():
-        dispatcher._cache = _Cache(function)  # what cache=True does, with a cache of our own
+        dispatcher._cache = Cache(function)  # what cache=True does, with a cache of our own
     return dispatcher
+
+
+def check_ready() -> None:
+    """Raise what to do if kernels cannot run in this process.
+
+    Raises:
+        InputError: Numba was told not to compile.
+        ViscopointError: the process is a fork of one that computed on threads of GNU OpenMP, which would end it.
+    """
+    settings: Any = config
+    if settings.DISABLE_JIT:
+        raise InputError("NUMBA_DISABLE_JIT=1: kernels run compiled only; unset this environment variable")
+    if _forked:
+        raise ViscopointError(
+            "this process was forked from one that has computed on threads, which GNU OpenMP does not survive; start "
+            'processes by multiprocessing.get_context("spawn") or "forkserver"'
+        )
+
+
+def _note_fork() -> None:
+    """Note in a forked child whether its parent, or one before, has started threads of GNU OpenMP."""
+    global _forked
+    started: Any = numba.np.ufunc.parallel._is_initialized  # pyright: ignore[reportAttributeAccessIssue]
+    layer: Any = sys.modules.get("numba.np.ufunc.omppool")
+    _forked = _forked or bool(started and layer and layer.openmp_vendor == "GNU")
+
+
+_forked = False
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_note_fork)
 
 
 def inline(function: F) -> F:
@@ -155,6 +131,7 @@ def implements(operation: Any, subject: type) -> Callable[[F], F]:
 
     def register(function: F) -> F:
         operation.implementations[subject] = function
+        outside.note(operation, subject, function)
         return function
 
     return register

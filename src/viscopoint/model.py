@@ -6,6 +6,7 @@ from viscopoint import memory
 from viscopoint.body import Body
 from viscopoint.case import Case
 from viscopoint.errors import InputError
+from viscopoint.jit import check_ready
 from viscopoint.laws import Law
 from viscopoint.method import Method
 
@@ -32,9 +33,12 @@ class Model(NamedTuple):
 def build(case: Case) -> Model:
     """Return the model of a case at its start.
 
+    Where no kernel can run, ``jit.check_ready`` says why.
+
     Raises:
         InputError: a run of it would not fit into memory, or its points or elements have not the rod's mass.
     """
+    check_ready()
     need = case.method.need(case.rod)
     memory.check(need, memory.free())
     law, case = case.material.build(), case.resolved()

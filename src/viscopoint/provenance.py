@@ -3,6 +3,7 @@
 import platform
 import subprocess
 import sys
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -10,13 +11,14 @@ from typing import Any
 
 import numba
 
+from viscopoint.promise import promise
 from viscopoint.sources import digest
 from viscopoint.wording import one_line
 
 # of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums;
 # 7: contact radius, mass, losses
 FORMAT, READABLE = 7, (5, 6, 7)
-PACKAGES = ("numpy", "numba", "llvmlite", "h5py", "pydantic")
+PACKAGES = ("h5py", "pydantic")  # beside those on which bits depend
 
 
 def provenance() -> dict[str, Any]:
@@ -27,16 +29,24 @@ def provenance() -> dict[str, Any]:
         "viscopoint": metadata.version("viscopoint"),
         "commit": _commit(),
         "sources": digest(),
-        "python": platform.python_version(),
+        **promise(),
         **{name: metadata.version(name) for name in PACKAGES},
         "system": f"{platform.system()} {platform.release()}",
-        "machine": platform.machine(),
         "processor": _processor(),
         "threads": numba.get_num_threads(),
         "command": [one_line(word) for word in words],
         "started": now(),
         "ended": None,
         "resumed": [],
+    }
+
+
+def of_resuming(earlier: dict[str, Any], changed: Iterable[str]) -> dict[str, Any]:
+    """Return what changes when a run is resumed where so much is not as it was (``promise.differences``)."""
+    return {
+        "ended": None,
+        "resumed": [*earlier.get("resumed", []), now()],
+        "resumed_with": list(dict.fromkeys([*earlier.get("resumed_with", []), *changed])),
     }
 
 

@@ -64,6 +64,7 @@ class Origin(BaseModel):
     case: str | None = None
     ended: str | None = None
     resumed: list[str] = []
+    resumed_with: list[str] = []
 
 
 class Run:

@@ -4,7 +4,7 @@ import contextlib
 import shutil
 import warnings
 import weakref
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, NamedTuple
@@ -30,12 +30,14 @@ from viscopoint.interruption import noted
 from viscopoint.ledger import Row
 from viscopoint.model import Model, build
 from viscopoint.output import WRITERS, Mark, Writer
-from viscopoint.provenance import now, provenance
+from viscopoint.promise import NOT_THE_SAME, differences, promise
+from viscopoint.provenance import now, of_resuming, provenance
 from viscopoint.results import CORRUPT, Run
 from viscopoint.simulation import Simulation, Watch
-from viscopoint.sources import digest
+from viscopoint.sources import sources_of
 from viscopoint.summary import ENDED, Summary
-from viscopoint.wording import one_line
+from viscopoint.threads import check, chosen, using
+from viscopoint.wording import clipped, one_line
 
 MOST_STEPS = 100_000_000
 USUAL_CHECKPOINTS = "60 s"
@@ -48,6 +50,7 @@ class Company(NamedTuple):
     watch: Watch | None  # called with the share done and the ledger's newest row
     tell: Tell  # called with words for what begins
     figures: bool
+    threads: int | None  # wanted, or None if that is left to us
 
 
 @checked
@@ -58,6 +61,7 @@ def run(
     force: bool = False,
     figures: bool = True,
     checkpoint_every: str = USUAL_CHECKPOINTS,
+    threads: int | None = None,
     watch: Watch | None = None,
     tell: Tell | None = None,
 ) -> Run:
@@ -69,6 +73,8 @@ def run(
         force: replace a run folder that is already there.
         figures: draw the figures too.
         checkpoint_every: "10 s" on the clock, "5 us simulated", or "never": from the last one ``resume`` goes on.
+        threads: to compute on; results do not depend on it. By default one for a small model, else as many as Numba
+            was told (``numba.set_num_threads``), or has.
         watch: called with the share done and the ledger's newest row, after each row.
         tell: called with words for what begins, before anything that may take long.
 
@@ -83,7 +89,8 @@ def run(
     Warns:
         ResultWarning: the body has not the rod's mass, some of it was lost, or hourglass control took much energy.
     """
-    every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
+    every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures, threads)
+    check(threads)
     case = case if isinstance(case, Case) else Case.load(case)
     if out is not None:
         check_free(Path(out), force, needed=case.method.files())  # before anything takes time
@@ -99,7 +106,8 @@ def run(
             kept = case.resolved()
             kept = kept.model_copy(update={"method": kept.method.kept_in(fresh)})
             write_text(fresh / CASE, kept.to_toml())
-            write_json(fresh / PROVENANCE, provenance() | {"case": _hashed(fresh, kept)})
+            own = {"sources": sources_of(case), "case": _hashed(fresh, kept), "threads": chosen(threads, model.body)}
+            write_json(fresh / PROVENANCE, provenance() | own)
             _write_summary(fresh, Summary.of_start(model))
             made = fresh.stat()
         with alone(folder, made) as held:
@@ -120,6 +128,7 @@ def resume(
     *,
     figures: bool = True,
     checkpoint_every: str = USUAL_CHECKPOINTS,
+    threads: int | None = None,
     watch: Watch | None = None,
     tell: Tell | None = None,
 ) -> Run:
@@ -132,6 +141,7 @@ def resume(
         folder: the run folder.
         figures: draw the figures too.
         checkpoint_every: as ``run`` takes it.
+        threads: as ``run`` takes it.
         watch: called with the share done and the ledger's newest row, after each row.
         tell: called with words for what begins, before anything that may take long.
 
@@ -145,7 +155,8 @@ def resume(
         ResultWarning: as ``run`` does.
     """
     folder = Path(folder)
-    every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures)
+    every, company = Every.read(checkpoint_every), Company(watch, tell or _keep_silent, figures, threads)
+    check(threads)
     Run(folder)  # or it is none, and nothing in it is looked at
     _check_own(folder)
     with alone(folder) as held:
@@ -153,10 +164,12 @@ def resume(
         if earlier.status in ENDED:
             with disk_faults(folder):
                 return _finished(earlier, company)
-        if earlier.provenance.get("sources") != digest():
+        sources = sources_of(earlier.case)
+        if earlier.provenance.get("sources") != sources:
             raise InputError(
                 f"run folder {folder}: begun by other sources ({earlier.provenance.get('sources')}) than these "
-                f"({digest()}), which would not give the same results; run {folder / CASE} anew"
+                f"({sources}; of a law from outside the package, its own are part), which would not give the same "
+                f"results; run {folder / CASE} anew"
             )
         if earlier.provenance.get("case") != _hashed(folder, earlier.case):
             raise InputError(
@@ -171,13 +184,17 @@ def resume(
                 f"run folder {folder}: no checkpoint can be read ({'; '.join(faults)}); remove "
                 f"{folder / checkpoint.FOLDER} to begin from the start"
             )
-        if found and (found.progress.case, found.progress.sources) != (earlier.provenance["case"], digest()):
+        if found and (found.progress.case, found.progress.sources) != (earlier.provenance["case"], sources):
             raise InputError(f"run folder {folder}: its checkpoint is not of its {CASE} or of these sources")
         for fault in faults:
             words = one_line(f"run folder {folder}: checkpoint {fault}; the one before is taken")
             warnings.warn(words, ViscopointWarning, stacklevel=2)
-        resumed = [*earlier.provenance.get("resumed", []), now()]
-        result = _compute(held, model, every, found, company, {"ended": None, "resumed": resumed})
+        changed = differences(earlier.provenance, promise())
+        if changed:
+            words = clipped(f"run folder {folder}: {NOT_THE_SAME}: {'; '.join(changed)}")
+            warnings.warn(one_line(words), ViscopointWarning, stacklevel=2)
+        news = of_resuming(earlier.provenance, changed) | {"threads": chosen(threads, model.body)}
+        result = _compute(held, model, every, found, company, news)
     _warn(result.results.warnings)
     return result
 
@@ -207,7 +224,7 @@ def _compute(
             if found:
                 company.tell("reading what is there")
             writers = [stack.enter_context(contextlib.closing(writer)) for writer in _writers(folder, model, found)]
-            keeper = Keeper(held, every, digest(), begun["case"])
+            keeper = Keeper(held, every, begun["sources"], begun["case"])
             company.tell("going on" if found else "starting; the first time this compiles")
             stop = stack.enter_context(noted(company.tell))
             simulation = Simulation(model, writers, watch, keeper, stop)
@@ -219,7 +236,8 @@ def _compute(
                 _write_summary(folder, Summary.of_start(model))
             for writer in writers:
                 writer.begin()
-            outcome = simulation.run()
+            with using(chosen(company.threads, model.body)), _noting_failure(folder, model):
+                outcome = simulation.run()
         held.check()
         start, advice = simulation.ledger.start.kinetic, model.method.advice
         _write_summary(folder, Summary.of_start(model).ended(outcome, start, advice))
@@ -228,6 +246,19 @@ def _compute(
         result = Run(folder)
         result.body = model.body  # not made again
         return _finished(result, company)
+
+
+@contextlib.contextmanager
+def _noting_failure(folder: Path, model: Model) -> Iterator[None]:
+    """Leave a word in the summary, if an exception ends a run, on what it was: nothing is at work there any more."""
+    try:
+        yield
+    except Exception as error:
+        what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        with contextlib.suppress(OSError, MemoryError):
+            failed = {"status": "interrupted", "reason": one_line(clipped(what.partition("\n")[0]))}
+            _write_summary(folder, Summary.of_start(model.body).model_copy(update=failed))
+        raise
 
 
 def _writers(folder: Path, model: Model, found: Checkpoint | None) -> list[Writer]:

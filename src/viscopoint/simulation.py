@@ -10,6 +10,7 @@ import numpy as np
 from viscopoint.checkpoint import Checkpoint, Keeper
 from viscopoint.guards import GuardError, check_row, check_step, is_finite, lost_in_words
 from viscopoint.interruption import Stop
+from viscopoint.jit import check_ready
 from viscopoint.ledger import Ledger, Row, row_of
 from viscopoint.model import Model
 from viscopoint.output import Writer
@@ -45,6 +46,7 @@ class Simulation:
         stop: Stop | None = None,
     ) -> None:
         """Prepare to run a model; ``keeper`` writes checkpoints, ``stop`` says when somebody wants to end it."""
+        check_ready()  # the model may have been built before a fork
         self.model, self.writers, self.watch = model, writers, watch
         self.keeper, self.stop = keeper, stop or Stop()
         self.ledger = Ledger(model.method, model.body.surface)

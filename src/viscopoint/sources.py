@@ -3,6 +3,12 @@
 import functools
 import hashlib
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from viscopoint import outside
+
+if TYPE_CHECKING:
+    from viscopoint.case import Case
 
 # These only read run folders, or time what others compute: neither compiled code nor results depend on them.
 READERS = ("cli.py", "terminal.py", "revolution.py", "figures", "comparison", "reproduction", "report", "bench")
@@ -19,3 +25,9 @@ def digest() -> str:
             result.update(str(place).encode())
             result.update(source.read_bytes())
     return result.hexdigest()[:16]
+
+
+def sources_of(case: "Case") -> str:
+    """Return a hash of all sources that compute and write the results of a case, laws of users included."""
+    others = outside.hashed((type(case.material), type(case.material.build()), type(case.method)))
+    return f"{digest()}+{others}" if others else digest()

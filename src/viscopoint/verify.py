@@ -11,10 +11,12 @@ from viscopoint import older
 from viscopoint.arguments import checked
 from viscopoint.errors import InputError
 from viscopoint.interruption import raise_for
+from viscopoint.promise import differences
 from viscopoint.results import Run
 from viscopoint.running import Tell, run
 from viscopoint.simulation import Watch
 from viscopoint.summary import ENDED
+from viscopoint.wording import clipped, one_line
 
 TIMED = {"wall_time"}  # of the summary, what differs from one run to the next
 UNKNOWN = {"mass", "mass_error", "hourglass_share", "warnings", "units", "snapshots"}  # to older formats, or in others
@@ -55,8 +57,12 @@ class Verdict(NamedTuple):
 
 
 @checked
-def verify(folder: str | Path, *, watch: Watch | None = None, tell: Tell | None = None) -> Verdict:
+def verify(
+    folder: str | Path, *, threads: int | None = None, watch: Watch | None = None, tell: Tell | None = None
+) -> Verdict:
     """Run a finished run's case again, in a temporary folder, and compare history, fields and summary bit by bit.
+
+    ``threads`` is as ``run`` takes it.
 
     Raises:
         InputError: the folder holds no finished run.
@@ -65,7 +71,7 @@ def verify(folder: str | Path, *, watch: Watch | None = None, tell: Tell | None 
     earlier = Run(folder)
     if earlier.status not in ENDED:
         raise InputError(f"run folder {folder}: not finished ({earlier.status}), so there is nothing to compare with")
-    again = run(earlier.case, figures=False, checkpoint_every="never", watch=watch, tell=tell)
+    again = run(earlier.case, figures=False, checkpoint_every="never", threads=threads, watch=watch, tell=tell)
     if again.status == "interrupted":
         raise_for(again.results.signal)
     return compare_bits(earlier, again)
@@ -79,12 +85,18 @@ def compare_bits(one: Run, other: Run) -> Verdict:
         difference = _difference(place, before, now)
         if difference:
             found.append(difference)
-    notes = [
-        f"{key}: {one.provenance.get(key)}, now {other.provenance.get(key)}"
-        for key in ("sources", "numba", "llvmlite", "numpy", "processor", "machine")
-        if one.provenance.get(key) != other.provenance.get(key)
-    ]
-    return Verdict(numbers, found, notes)
+    return Verdict(numbers, found, list(_notes(one.provenance, other.provenance)))
+
+
+def _notes(before: dict[str, Any], now: dict[str, Any]) -> Iterator[str]:
+    """Say what may explain a difference, a line each."""
+    for key in ("sources", "processor"):
+        if before.get(key) != now.get(key):
+            yield one_line(clipped(f"{key}: {before.get(key)}, now {now.get(key)}"))
+    for words in differences(before, now):
+        yield one_line(clipped(words))
+    for words in before.get("resumed_with", []):
+        yield one_line(clipped(f"when it was resumed, {words}"))
 
 
 def _pairs(one: Run, other: Run) -> Iterator[tuple[str, NDArray[Any], NDArray[Any]]]:

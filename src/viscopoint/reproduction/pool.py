@@ -17,7 +17,7 @@ from viscopoint.errors import InputError, ViscopointError
 from viscopoint.folder import CASE
 from viscopoint.interruption import Stop, noted
 from viscopoint.results import Run
-from viscopoint.sources import digest
+from viscopoint.sources import sources_of
 
 Watch = Callable[[float, str], None]  # share done of the whole, what is going on
 PATIENCE = 0.1  # s between two looks at the progress
@@ -129,13 +129,10 @@ def _deaf_children() -> Iterator[None]:
 
 def _begin(begun: Any, shares: Any, stop: Any) -> None:
     """Prepare a worker."""
-    import numba
-
     global _shares, _stop  # the only way into a worker
     _shares, _stop = shares, stop
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    numba.set_num_threads(1)
     begun.set()
 
 
@@ -162,9 +159,9 @@ def _simulate(place: int, case: Case, folder: Path) -> None:
     warnings.simplefilter("ignore", ResultWarning)  # the page says them
     if _is_run(folder, case, ("running", "interrupted")):
         with contextlib.suppress(InputError):  # damaged: to be made again
-            resume(folder, figures=False, watch=watch)
+            resume(folder, figures=False, threads=1, watch=watch)
             return
-    run(case, folder, force=True, figures=False, watch=watch)
+    run(case, folder, force=True, figures=False, threads=1, watch=watch)
 
 
 def _is_run(folder: Path, case: Case, statuses: Collection[str]) -> bool:
@@ -173,7 +170,8 @@ def _is_run(folder: Path, case: Case, statuses: Collection[str]) -> bool:
         return False
     try:
         run = Run(folder)
-        return run.status in statuses and run.provenance.get("sources") == digest() and run.case == case.resolved()
+        same = run.provenance.get("sources") == sources_of(case) and run.case == case.resolved()
+        return same and run.status in statuses
     except InputError:  # damaged, or of another version: to be made again
         return False
 

@@ -1,0 +1,153 @@
+"""Laws that users keep in files of their own: never run stale, and no trouble for those who do not have them."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+LAW = """
+from typing import Literal, NamedTuple
+from viscopoint.inputs import Material
+from viscopoint.jit import implements
+from viscopoint.laws import shear_energy, step_factors, stored_energy, update_stress
+from viscopoint.logarithm import log
+from viscopoint.tensors import deviator, rotated, spherical
+from viscopoint.units import Density, PositiveModulus
+from numbers_of_law import FACTOR
+
+class Mine(NamedTuple):
+    density: float
+    bulk: float
+
+    @property
+    def instantaneous_modulus(self): return self.bulk
+    @property
+    def history_fields(self): return ()
+
+class MineInput(Material):
+    law: Literal["mine"]
+    density: Density
+    bulk: PositiveModulus
+    def build(self): return Mine(self.density, self.bulk)
+
+@implements(step_factors, Mine)
+def factors(law, dt): return ()
+
+@implements(update_stress, Mine)
+def update(law, step, strain, turn, jacobian, stress, history):
+    return spherical(FACTOR * law.bulk * log(jacobian)), history, 0.0
+
+@implements(stored_energy, Mine)
+def energy(law, jacobian, stress, history): return FACTOR * law.bulk
+
+@implements(shear_energy, Mine)
+def shear(law, stress, history): return 0.0
+"""
+
+SUMS = """
+import numpy as np
+from viscopoint.laws.elastic import Elastic
+from viscopoint.mpm.stress import sum_points
+from viscopoint.mpm.points import at_rest
+points = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
+points.jacobian[:] = 0.9
+sums = np.zeros((64, 9))
+sum_points(points, LAW, (), sums)
+print(sums[:, 1].sum(), sum(sum_points.stats.cache_hits.values()))
+"""
+MINE = "import law_of_mine\n" + SUMS.replace("LAW", "law_of_mine.Mine(1e-3, 3.0)")
+OURS = SUMS.replace("LAW", "Elastic(1e-3, 100.0, 10.0)")
+
+
+def write_law(place: Path, factor: float) -> None:
+    (place / "law_of_mine.py").write_text(LAW)
+    (place / "numbers_of_law.py").write_text(f"FACTOR = {factor}\n")
+
+
+def python(code: str, place: Path) -> str:
+    """Run code in a new process that finds the modules in a folder, and its cache."""
+    path = os.pathsep.join([str(place), *sys.path])
+    environment = os.environ | {"PYTHONPATH": path, "VISCOPOINT_CACHE": str(place / "cache")}
+    done = subprocess.run([sys.executable, "-B", "-c", code], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_an_edited_law_from_outside_is_not_run_stale_and_others_never_see_it(tmp_path: Path):
+    write_law(tmp_path, 1.0)
+    assert python(MINE, tmp_path).split() == ["3.0", "0"]
+    write_law(tmp_path, 2.0)
+    assert python(MINE, tmp_path).split() == ["6.0", "0"]
+    for name in ("law_of_mine.py", "numbers_of_law.py"):
+        (tmp_path / name).unlink()
+    cold, hits = python(OURS, tmp_path).split()
+    assert hits == "0"
+    assert python(OURS, tmp_path).split() == [cold, "1"]
+
+
+REPLACED = """
+from viscopoint.jit import implements
+from viscopoint.laws import stored_energy
+from viscopoint.laws.elastic import Elastic
+
+@implements(stored_energy, Elastic)
+def energy(law, jacobian, stress, history): return 7.0
+"""
+
+
+def test_one_of_our_laws_that_somebody_changes_stays_as_it_is_for_others(tmp_path: Path):
+    ours, _ = python(OURS, tmp_path).split()
+    (tmp_path / "change.py").write_text(REPLACED)
+    assert python("import change\n" + OURS, tmp_path).split() == ["7.0", "0"]
+    assert python(OURS, tmp_path).split() == [ours, "1"]
+
+
+CASE = """
+import law_of_mine, sys
+import viscopoint as vp
+def stop(share, row):
+    if share > 0.5: raise KeyboardInterrupt
+"""
+BEGIN = (
+    CASE
+    + """
+material = {"law": "mine", "density": "1 g/cm^3", "bulk": "550 MPa"}
+method = {"name": "fem", "geometry": "axisymmetric", "size": "1 mm"}
+case = vp.Case.load("paper").with_(material=material, method=method, time={"end": "2 us", "snapshots": []})
+vp.run(case, "RUN", figures=False, checkpoint_every="never", watch=stop)
+"""
+)
+RESUME = (
+    CASE
+    + """
+try:
+    print(vp.resume("RUN", figures=False).status)
+except vp.InputError as error:
+    print(error)
+"""
+)
+
+
+def test_a_run_is_not_resumed_with_an_edited_law_from_outside(tmp_path: Path):
+    write_law(tmp_path, 1.0)
+    begin, resume = (code.replace("RUN", str(tmp_path / "run")) for code in (BEGIN, RESUME))
+    python(begin, tmp_path)
+    write_law(tmp_path, 2.0)
+    assert "begun by other sources" in python(resume, tmp_path)
+    write_law(tmp_path, 1.0)
+    assert python(resume, tmp_path).strip() == "complete"
+
+
+def test_a_law_that_is_not_used_does_not_count(tmp_path: Path):
+    write_law(tmp_path, 1.0)
+    code = "import viscopoint as vp\nfrom viscopoint.sources import digest, sources_of\n"
+    code += "print(sources_of(vp.Case.load('paper')) == digest())"
+    assert python("import law_of_mine\n" + code, tmp_path).strip() == "True"
+
+
+def test_a_law_that_is_in_no_file_counts_as_another_in_each_process(tmp_path: Path):
+    write_law(tmp_path, 1.0)
+    code = f"{LAW}\nimport viscopoint as vp\nfrom viscopoint.sources import sources_of\n"
+    code += "material = {'law': 'mine', 'density': '1 g/cm^3', 'bulk': '550 MPa'}\n"
+    code += "print(sources_of(vp.Case.load('paper').with_(material=material)))"
+    assert len({python(code, tmp_path) for _ in range(2)}) == 2

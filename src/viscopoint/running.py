@@ -257,7 +257,7 @@ def _noting_failure(folder: Path, model: Model) -> Iterator[None]:
         what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         with contextlib.suppress(OSError, MemoryError):
             failed = {"status": "interrupted", "reason": one_line(clipped(what.partition("\n")[0]))}
-            _write_summary(folder, Summary.of_start(model.body).model_copy(update=failed))
+            _write_summary(folder, Summary.of_start(model).model_copy(update=failed))
         raise
 
 

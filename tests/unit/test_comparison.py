@@ -297,12 +297,12 @@ def test_any_number_of_runs_is_shown_in_full_at_any_width(finished: Path, finish
     assert "…" not in "".join(lines)
     assert max(map(len, lines)) <= width
     row = vp.Run(finished).rows[-1]
-    radius, speed = f"{row.foot_radius:.3f} (", f"{row.velocity:.2f} ("
-    for shown, words in ((radius, "foot radius"), (speed, "velocity of centre of mass")):
+    radius, speed = f"{row.contact_radius:.3f} (", f"{row.velocity:.2f} ("
+    for shown, words in ((radius, "contact radius"), (speed, "velocity of centre of mass")):
         found = [line.count(shown) for line in lines if line.strip().startswith(words)]
         assert sum(found) == count - 1  # of the last time; each run once
-    first = f"{vp.Run(finished_fem).rows[-1].foot_radius:.3f} "
-    assert all(first in line for line in lines if "foot radius" in line and radius in line)  # beside its reference
+    first = f"{vp.Run(finished_fem).rows[-1].contact_radius:.3f} "
+    assert all(first in line for line in lines if "contact radius" in line and radius in line)  # beside its reference
 
 
 def test_twelve_runs_are_compared_on_the_command_line(finished: Path, tmp_path: Path):

@@ -11,7 +11,7 @@ d = Jdot / J, c = c0 sqrt(J) and l = h J, or l = h of a grid that does not defor
 more than the elastic energy, e(J) = M (J ln J - J + 1).
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -33,7 +33,8 @@ class Shock(NamedTuple):
         def excess(jacobian: float) -> float:  # rho u^2 = p (1 - J)
             return self.density * self.speed**2 + self.modulus * np.log(jacobian) * (1 - jacobian)
 
-        return float(brentq(excess, 0.1, 1 - 1e-9))
+        root: Any = brentq(excess, 0.1, 1 - 1e-9)
+        return float(root)
 
     @property
     def front(self) -> float:

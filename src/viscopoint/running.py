@@ -236,7 +236,7 @@ def _compute(
                 _write_summary(folder, Summary.of_start(model))
             for writer in writers:
                 writer.begin()
-            with using(chosen(company.threads, model.body)), _noting_failure(folder, model):
+            with using(chosen(company.threads, model.body)), _noting_failure(held, model):
                 outcome = simulation.run()
         held.check()
         start, advice = simulation.ledger.start.kinetic, model.method.advice
@@ -249,15 +249,16 @@ def _compute(
 
 
 @contextlib.contextmanager
-def _noting_failure(folder: Path, model: Model) -> Iterator[None]:
+def _noting_failure(held: Held, model: Model) -> Iterator[None]:
     """Leave a word in the summary, if an exception ends a run, on what it was: nothing is at work there any more."""
     try:
         yield
     except Exception as error:
         what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         with contextlib.suppress(OSError, MemoryError):
+            held.check()  # another folder is left alone
             failed = {"status": "interrupted", "reason": one_line(clipped(what.partition("\n")[0]))}
-            _write_summary(folder, Summary.of_start(model).model_copy(update=failed))
+            _write_summary(held.folder, Summary.of_start(model).model_copy(update=failed))
         raise
 
 

@@ -200,7 +200,9 @@ def test_a_full_disk_ends_with_an_output_error_and_keeps_what_is_there(
     monkeypatch.setattr(shutil, "disk_usage", nearly_full)
     with pytest.raises(vp.OutputError, match="No space left on device"):
         vp.run(quick, tmp_path / "run")
-    assert vp.Run(tmp_path / "run").status == "running"
+    left = vp.Run(tmp_path / "run")
+    assert left.status == "interrupted"
+    assert "No space left on device" in left.results.reason
 
 
 def test_a_vanished_folder_ends_with_an_output_error(quick: vp.Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

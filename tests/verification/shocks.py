@@ -11,10 +11,10 @@ d = Jdot / J, c = c0 sqrt(J) and l = h J, or l = h of a grid that does not defor
 more than the elastic energy, e(J) = M (J ln J - J + 1).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 
 class Shock(NamedTuple):
@@ -33,8 +33,7 @@ class Shock(NamedTuple):
         def excess(jacobian: float) -> float:  # rho u^2 = p (1 - J)
             return self.density * self.speed**2 + self.modulus * np.log(jacobian) * (1 - jacobian)
 
-        root: Any = brentq(excess, 0.1, 1 - 1e-9)
-        return float(root)
+        return float(root_scalar(excess, bracket=(0.1, 1 - 1e-9)).root)
 
     @property
     def front(self) -> float:

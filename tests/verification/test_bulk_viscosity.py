@@ -197,6 +197,26 @@ def test_viscous_loss_is_the_work_of_the_viscous_forces(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", LAGRANGIAN)
+def test_all_that_the_accounts_take_is_the_work_of_the_forces(kind: str) -> None:
+    """Stored, hypoelastic, viscous and hourglass energy of a body moved at will, to second order in the step."""
+    errors = []
+    for dt in (0.02, 0.01, 0.005):
+        body = body_of(kind, (0.6, 1.5))
+        first, then = motions(kind, body.place)
+        body.moved(first, 1.0)
+        before, start = body.moved(then, dt), body.method.totals()
+        after, now = body.moved(then, dt), body.method.totals()
+        work = -dt * float((0.5 * (before + after) * then).sum())
+        taken = (now.energy - now.kinetic) - (start.energy - start.kinetic)
+        errors.append(taken / work - 1.0)
+    assert abs(errors[0]) < 0.003
+    # selective elements: the deviator's work is counted by J of the element, but it pulls by the volume of the point.
+    # That leaves 0.2 % of the work (rings 0.01 %) where corners are off by 15 % of an edge
+    if not kind.endswith("selective"):
+        assert_allclose(orders([abs(error) for error in errors]), 2, atol=0.15)
+
+
+@pytest.mark.parametrize("kind", LAGRANGIAN)
 def test_viscosity_sees_the_rate_of_the_volume_that_the_law_sees(kind: str) -> None:
     """q / (ρ l c) over a step is ln J after less before, to second order, however uneven the motion within a cell."""
     errors = []

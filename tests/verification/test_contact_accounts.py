@@ -1,0 +1,86 @@
+"""What the wall takes from nodes that come to it unevenly, under forces: all that they lose, and no momentum unseen."""
+
+from typing import Any
+
+import bricks
+import lagrangian
+import numpy as np
+import pytest
+from columns import ELASTIC, Array, one_thread  # noqa: F401
+from lagrangian import ROUNDING, steps
+from numpy.testing import assert_allclose
+
+from viscopoint.fem.motion import set_off
+from viscopoint.fem.state import CHUNKS
+from viscopoint.tlmpm import motion
+from viscopoint.wall import TALLY, RigidWall
+
+pytestmark = pytest.mark.usefixtures("one_thread")
+WALL, DT = RigidWall(0.0, 0.0), 1e-4
+
+
+def disturbed(nodes: Any) -> None:
+    """Give nodes uneven velocities down, and forces that change them by a tenth in half a step."""
+    rng = np.random.default_rng(8)
+    nodes.velocity[:] = rng.normal(size=nodes.velocity.shape) - [0.0, 0.0, 30.0]
+    nodes.force[:] = nodes.mass[:, None] / (0.5 * DT) * 3.0 * rng.normal(size=nodes.force.shape)
+
+
+def upright_energy(nodes: Any, stopped: Array) -> float:
+    return float(0.5 * (nodes.mass * nodes.velocity[:, 2] ** 2)[stopped].sum())
+
+
+def test_wall_takes_all_that_the_nodes_lose_which_it_stops() -> None:
+    """Of elements; what the force did to a node in that half step is in it, or no account would have it."""
+    method = bricks.fem(bricks.brick((2.0, 2.0, 2.0), (2, 2, 2)), bricks.SELECTIVE, ELASTIC, (WALL,))
+    nodes, tally = method.nodes, np.zeros((CHUNKS, TALLY))
+    disturbed(nodes)
+    stopped = nodes.position[:, 2] == 0.0
+    before = upright_energy(nodes, stopped)
+    set_off(nodes, WALL, DT, tally)
+    assert (nodes.pressed[stopped] > 0).all()
+    assert before > 0.0
+    assert_allclose(tally[:, 3].sum(), upright_energy(nodes, stopped) - before, rtol=1e-12)
+
+
+def test_wall_takes_all_that_nodes_beside_the_foot_lose() -> None:
+    """The same of total Lagrangian points, where no node stands above to take the momentum."""
+    method = lagrangian.brick((2, 2, 2), ELASTIC, (WALL,))
+    nodes, tally = method.nodes, np.zeros((CHUNKS, TALLY))
+    disturbed(nodes)
+    nodes.above[:] = -1
+    stopped = nodes.position[:, 2] == 0.0
+    before = upright_energy(nodes, stopped)
+    motion.set_off(nodes, WALL, DT, tally)
+    assert_allclose(tally[:, 3].sum(), upright_energy(nodes, stopped) - before, rtol=1e-12)
+
+
+def test_a_foot_that_touches_unevenly_hands_all_its_momentum_up() -> None:
+    """To the node above, at their common speed: no impulse is in it, and what is lost is that of a plastic impact."""
+    method = lagrangian.brick((2, 2, 2), ELASTIC, (WALL,))
+    nodes, tally = method.nodes, np.zeros((CHUNKS, TALLY))
+    disturbed(nodes)
+    nodes.force[:] = 0.0
+    foot = nodes.above >= 0
+    up = nodes.above[foot]
+    m, both = nodes.mass[foot], nodes.mass[foot] + nodes.mass[up]
+    apart = nodes.velocity[foot, 2] - nodes.velocity[up, 2]
+    common = nodes.velocity[up, 2] + m / both * apart
+    motion.set_off(nodes, WALL, DT, tally)
+    assert np.abs(apart).min() > 0.01
+    assert_allclose(nodes.velocity[up, 2], common, rtol=1e-13)
+    assert_allclose(tally[:, 2].sum(), 0.0, atol=ROUNDING)
+    assert_allclose(tally[:, 3].sum(), -(0.5 * m * (both - m) / both * apart**2).sum(), rtol=1e-12)
+
+
+@pytest.mark.parametrize("volume", ["local", "cell-mean"])
+def test_a_rattling_foot_changes_momentum_by_the_wall_s_impulse_alone(volume: str) -> None:
+    def rattling(position: Array) -> Array:
+        return 20.0 * np.random.default_rng(6).normal(size=position.shape) - [0.0, 0.0, 50.0]
+
+    method, count = lagrangian.brick((2, 2, 3), ELASTIC, (WALL,), rattling, lift=0.05, volume=volume), 200
+    start = method.totals()
+    steps(method, count)
+    now = method.totals()
+    assert now.impulse[2] > start.mass * 50.0
+    assert_allclose(now.momentum - start.momentum, now.impulse, rtol=0, atol=count * ROUNDING * start.mass * 100.0)

@@ -53,7 +53,7 @@ class Variant(NamedTuple):
 
 def mpm(shape: str, transfer: str = "flip", **more: Any) -> dict[str, Any]:
     """Return a material point method's table."""
-    return {"name": "mpm", "shape": shape, "transfer": transfer, **more}
+    return {"name": "mpm", "shape": shape, "transfer": transfer, "fill": "lattice", "contact": "nodes", **more}
 
 
 VARIANTS = {
@@ -64,7 +64,6 @@ VARIANTS = {
     "gimp-8": Variant("GIMP, FLIP, 8 points a cell", mpm("gimp"), TWO),
     "gimp-apic": Variant("GIMP, APIC", mpm("gimp", "apic"), fine=True),
     "gimp-tpic": Variant("GIMP, TPIC", mpm("gimp", "tpic")),
-    "gimp-fmpm": Variant("GIMP, FMPM(4)", mpm("gimp", "fmpm", order=4)),
     "gimp-mean": Variant("GIMP, APIC, rings, cell-mean", mpm("gimp", "apic", fill="rings", volume="cell-mean")),
     "gimp-gated": Variant("GIMP, APIC, gated contact", mpm("gimp", "apic", contact="gated")),
     "cpgimp": Variant("cpGIMP, APIC", mpm("cpgimp", "apic")),

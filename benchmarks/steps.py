@@ -28,8 +28,6 @@ TRANSFERS: dict[str, dict[str, Any]] = {
     "flip, 0.01 PIC": {"method.pic_fraction": 0.01},
     "apic": {"method.transfer": "apic"},
     "tpic": {"method.transfer": "tpic"},
-    "fmpm 2": {"method.transfer": "fmpm"},
-    "fmpm 4": {"method.transfer": "fmpm", "method.order": 4},
 }
 OTHERS: dict[str, dict[str, Any]] = {
     "cell-mean": {"method.volume": "cell-mean"},

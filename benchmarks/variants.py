@@ -26,7 +26,6 @@ from viscopoint.mpm.shapes import SHAPES
 from viscopoint.mpm.transfers import Transfer
 from viscopoint.mpm.transfers.apic import Apic
 from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.mpm.transfers.fmpm import Fmpm
 from viscopoint.mpm.transfers.tpic import Tpic
 from viscopoint.tlmpm.volumes import VOLUMES
 
@@ -37,8 +36,6 @@ TRANSFERS: dict[str, Transfer] = {
     "PIC": Flip(1.0),
     "apic": Apic(),
     "tpic": Tpic(),
-    "fmpm 2": Fmpm(2),
-    "fmpm 4": Fmpm(4),
 }
 SPEED = 1e-4  # mm/ms: strains of 1e-7
 CONFINED = (DENSITY, columns.BULK, columns.SHEAR_SHORT, columns.SHEAR_LONG)

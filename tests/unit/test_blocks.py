@@ -95,7 +95,7 @@ STEPS: list[tuple[str, dict[str, Any]]] = [
     ("tlmpm", {}),
     ("fem", {}),
 ]
-COSTLY = ("mpm", {"method.volume": "cell-mean", "method.contact": "gated", "method.transfer": "fmpm"})
+COSTLY = ("mpm", {"method.volume": "cell-mean", "method.contact": "gated", "method.transfer": "apic"})
 
 
 @pytest.mark.parametrize(

@@ -100,9 +100,8 @@ def test_units_of_the_same_dimension_are_converted():
         ("method.scheme", "musll", "did you mean 'musl'"),
         ("method.pic_fraction", 1.5, "must not be greater than 1"),
         ("method.transfer", "afic", "did you mean 'apic'"),
-        ("method.order", 2, '2 is of "fmpm"; method.transfer is "flip"'),
-        ("method.order", 0, "must not be less than 1"),
-        ("method.order", 17, "must not be greater than 16"),
+        ("method.order", 2, "unknown key"),  # of FMPM, which is gone
+        ("method.transfer", "fmpm", '"fmpm" is not known'),
         ("method.safety", 0.0, "must be greater than 0"),
         ("method.cell", "5 mm", "larger than the rod: rod.radius is 3.8 mm"),
         ("method.spacing", "0.6 mm", "larger than method.cell, 0.5 mm"),
@@ -171,19 +170,11 @@ def test_a_table_of_another_law_starts_afresh():
 
 
 def test_keys_of_one_transfer_are_refused_with_another():
-    found = faults({"method.transfer": "apic", "method.pic_fraction": 0.1, "method.order": 3})
+    found = faults({"method.transfer": "apic", "method.pic_fraction": 0.1})
     assert found["method.pic_fraction"] == '0.1 blends PIC into "flip"; method.transfer is "apic"'
-    assert found["method.order"] == '3 is of "fmpm"; method.transfer is "apic"'
     assert "nodes of nearly no mass" in faults({"method.transfer": "tpic"})["method.transfer"]
     assert "nodes of nearly no mass" in faults({"method.transfer": "apic", "method.scheme": "usl"})["method.transfer"]
     vp.Case.load("paper", {"method.transfer": "tpic", "method.shape": "gimp", "method.scheme": "usl"})
-
-
-def test_fmpm_s_order_is_spelt_out():
-    case = vp.Case.load("paper", {"method.transfer": "fmpm"}).resolved()
-    assert isinstance(case.method, MPMInput)
-    assert case.method.order == 2
-    assert "order" not in vp.Case.load("paper").resolved().to_toml()
 
 
 def box_of(case: vp.Case) -> BoxInput:

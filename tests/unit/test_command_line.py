@@ -204,8 +204,8 @@ def test_starter_case_shows_the_material_point_method_as_another(tmp_path: Path)
     shown, kept = (tomllib.loads(text) for text in (uncommented(table, besides="# #"), "\n".join(table)))
     case = Case.load(file).to_tables()
     assert Case.from_tables(case | shown).resolved() == Case.from_tables(case | kept).resolved()
-    assert kept["method"] == {"name": "mpm", "spacing": "0.38 mm", "cell": "0.5 mm"}
-    assert set(shown["method"]) | {"order"} == set(MPMInput.model_fields)
+    assert kept["method"] == {"name": "mpm", "spacing": "0.38 mm", "cell": "0.76 mm"}
+    assert set(shown["method"]) == set(MPMInput.model_fields)
 
 
 def test_starter_case_takes_the_recommended_method_as_any_case_that_names_none(tmp_path: Path):

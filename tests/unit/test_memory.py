@@ -205,7 +205,7 @@ ROUND = "method.geometry=axisymmetric"
 ESTIMATED = [
     ("mpm", "method.spacing", "0.72 mm", "0.15 mm", "method.cell=1 mm"),
     ("mpm", "method.spacing", "0.72 mm", "0.15 mm", "method.cell=0.8 mm", "method.shape=gimp", "method.transfer=apic"),
-    ("mpm", "method.spacing", "0.4 mm", "0.15 mm", "method.cell=0.4 mm", "method.transfer=fmpm"),
+    ("mpm", "method.spacing", "0.4 mm", "0.15 mm", "method.cell=0.4 mm", "method.transfer=apic"),
     ("mpm", "method.spacing", "0.72 mm", "0.01 mm", "method.cell=0.8 mm", ROUND),
     ("tlmpm", "method.spacing", "0.6 mm", "0.15 mm"),
     ("tlmpm", "method.spacing", "0.6 mm", "0.01 mm", ROUND),

@@ -35,9 +35,9 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "mpm": ("mpm", MPM),
     "gimp-apic": ("mpm", {**MPM, "method.shape": "gimp", "method.transfer": "apic", "impact.friction": 0.3}),
     "cpgimp-gated": ("mpm", {**MPM, "method.shape": "cpgimp", "method.contact": "gated"}),
-    "cubic-fmpm": (
+    "cubic-tpic": (
         "mpm",
-        {**MPM, "method.shape": "cubic", "method.transfer": "fmpm", "method.volume": "cell-mean", **LENIENT},
+        {**MPM, "method.shape": "cubic", "method.transfer": "tpic", "method.volume": "cell-mean", **LENIENT},
     ),
     "usf-axisymmetric": ("mpm", {**MPM, "method.scheme": "usf", "method.geometry": "axisymmetric"}),
     "mpm-single": ("mpm", {**MPM, "method.precision": "single"}),

@@ -39,10 +39,11 @@ class Kind(NamedTuple):
 
 POINTS = {"cell": 1.0, "spacing": 0.5}
 FLAT = {"geometry": "axisymmetric"}
+LATTICE = {"name": "mpm", "fill": "lattice", "contact": "nodes"}  # the paper's
 KINDS = {
-    "mpm": Kind({"name": "mpm"}, POINTS),
-    "mpm, gimp, apic": Kind({"name": "mpm", "shape": "gimp", "transfer": "apic"}, POINTS),
-    "mpm, axisymmetric": Kind({"name": "mpm", **FLAT}, POINTS),
+    "mpm": Kind({**LATTICE, "shape": "trilinear"}, POINTS),
+    "mpm, gimp, apic": Kind({**LATTICE, "shape": "gimp", "transfer": "apic"}, POINTS),
+    "mpm, axisymmetric": Kind({**LATTICE, "shape": "trilinear", **FLAT}, POINTS),
     "tlmpm": Kind({"name": "tlmpm"}, POINTS, 1.4),
     "tlmpm, axisymmetric": Kind({"name": "tlmpm", **FLAT}, POINTS),
     "fem": Kind({"name": "fem"}, {"size": 1.0}),

@@ -18,7 +18,6 @@ from viscopoint.mpm.shapes import along, stencil
 from viscopoint.mpm.transfers import Transfer
 from viscopoint.mpm.transfers.apic import Apic
 from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.mpm.transfers.fmpm import Fmpm
 from viscopoint.wall import RigidWall, Symmetry
 
 pytestmark = pytest.mark.usefixtures("one_thread")
@@ -32,7 +31,6 @@ VARIANTS = pytest.mark.parametrize(
             pytest.param(*choice, marks=pytest.mark.long)
             for choice in (
                 ("gimp", Apic()),
-                ("gimp", Fmpm(2)),
                 ("quadratic", Flip(0.0)),
                 ("cubic", Flip(0.0)),
             )

@@ -76,7 +76,7 @@ def test_a_state_in_single_precision_stays_so_through_steps_outputs_and_a_restar
 
 OTHERS: list[tuple[str, dict[str, Any]]] = [
     *(("mpm", {"method.shape": shape, "method.transfer": "apic"}) for shape in SHAPES if shape != "trilinear"),
-    *(("mpm", {"method.shape": "gimp", "method.transfer": transfer}) for transfer in ("tpic", "fmpm")),
+    *(("mpm", {"method.shape": "gimp", "method.transfer": transfer}) for transfer in ("tpic", "apic")),
     *(("mpm", {"method.scheme": scheme}) for scheme in ("usl", "usf")),
     ("mpm", {"method.contact": "gated", "method.volume": "cell-mean"}),
     ("tlmpm", {"method.volume": "local", "method.shape": "gimp"}),

@@ -14,28 +14,16 @@ from viscopoint.mpm.fills.rings import rod_rings
 from viscopoint.mpm.grid import Box
 from viscopoint.mpm.method import MaterialPointMethod
 from viscopoint.mpm.transfers.apic import Apic
-from viscopoint.mpm.transfers.fmpm import Fmpm
 from viscopoint.mpm.transfers.tpic import Tpic
 from viscopoint.wall import RigidWall
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 THREADS = numba.get_num_threads()
 ROUNDING = 100 * np.finfo(float).eps
-NEW = [(Apic(), "gimp"), (Tpic(), "gimp"), (Fmpm(3), "gimp"), (Apic(), "trilinear"), (Fmpm(3), "trilinear")]
-COSTLY = (Fmpm(3), "gimp")  # its kernels take longest to compile
-
-
-def listed(*choice: Any) -> Any:
-    """Return a choice as a parameter, behind the marker if it is costly."""
-    return pytest.param(*choice, marks=pytest.mark.long) if choice[:2] == COSTLY else choice
-
-
-TRANSFER = pytest.mark.parametrize(("transfer", "shape"), [listed(*pair) for pair in NEW], ids=str)
+NEW = [(Apic(), "gimp"), (Tpic(), "gimp"), (Apic(), "trilinear")]
+TRANSFER = pytest.mark.parametrize(("transfer", "shape"), NEW, ids=str)
 SCHEMES = [
-    listed(*pair, scheme)
-    for pair in NEW
-    for scheme in ("musl", "usf", "usl")
-    if (pair[1], scheme) != ("trilinear", "usl")
+    (*pair, scheme) for pair in NEW for scheme in ("musl", "usf", "usl") if (pair[1], scheme) != ("trilinear", "usl")
 ]
 SCHEME = pytest.mark.parametrize(("transfer", "shape", "scheme"), SCHEMES, ids=str)  # others are refused
 
@@ -114,6 +102,6 @@ def test_losing_points_keeps_momentum(transfer: Any, shape: str) -> None:
 
 
 def test_a_guard_names_the_transfer_that_dissipates() -> None:
-    for name, words in (("flip", "method.pic_fraction"), ("apic", "method.transfer"), ("fmpm", "method.order")):
+    for name, words in (("flip", "method.pic_fraction"), ("apic", "method.transfer")):
         method = build(vp.Case.load("paper", {"method.transfer": name})).method
         assert words in method.advice.dissipating

@@ -14,13 +14,12 @@ from viscopoint.mpm.method import MaterialPointMethod
 from viscopoint.mpm.transfers import Transfer
 from viscopoint.mpm.transfers.apic import Apic
 from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.mpm.transfers.fmpm import Fmpm
 from viscopoint.mpm.transfers.tpic import Tpic
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps
 ROOM = Box((-6.0, -6.0, -6.0), (9.0, 9.0, 9.0))
-ALL = (Flip(0.0), Flip(0.4), Flip(1.0), Apic(), Tpic(), Fmpm(1), Fmpm(2), Fmpm(5))
+ALL = (Flip(0.0), Flip(0.4), Flip(1.0), Apic(), Tpic())
 TRANSFER = pytest.mark.parametrize("transfer", ALL, ids=str)
 SHAPE = pytest.mark.parametrize("shape", ["gimp", "trilinear"])
 SCHEME = pytest.mark.parametrize("scheme", ["musl", "usf", "usl"])
@@ -63,11 +62,6 @@ def test_step_is_what_its_matrices_say(transfer: Any, shape: str) -> None:
         node += see.affine(kept @ np.linalg.inv(see.inertia()))
     if isinstance(transfer, Tpic):
         node += see.affine(kept)
-    if isinstance(transfer, Fmpm):
-        rest = node.copy()
-        for _ in range(transfer.order - 1):
-            rest = rest - see.averaged(see.weights @ rest)
-            node = node + rest
     moves = see.weights @ node
     pic = transfer.pic if isinstance(transfer, Flip) else 1.0
     expected = (1 - pic) * (v + see.weights @ change) + pic * moves
@@ -82,30 +76,7 @@ def test_step_is_what_its_matrices_say(transfer: Any, shape: str) -> None:
 
 
 def test_only_affine_transfers_take_memory_for_it() -> None:
-    assert {type(t).__name__: len(cube(t).points.affine) for t in ALL} == {"Flip": 0, "Apic": 64, "Tpic": 64, "Fmpm": 0}
-
-
-@SHAPE
-def test_fmpm_of_order_one_is_pic(shape: str) -> None:
-    one, other = (stirred(cube(t, uneven=1.0, shape=shape)) for t in (Fmpm(1), Flip(1.0)))
-    for method in (one, other):
-        for _ in range(5):
-            method.advance(1e-4)
-    assert_allclose(one.points.velocity, other.points.velocity, rtol=0, atol=5 * ROUNDING * 10.0)
-
-
-@pytest.mark.parametrize("order", [4, 100, 1000])
-def test_fmpm_tends_to_the_consistent_mass_matrix(order: int) -> None:
-    method = stirred(cube(Fmpm(order)))
-    method.points.stress[:] = 0.0
-    see, start = dense(method), method.points.velocity.copy()
-    consistent = see.weights.T @ (see.mass[:, None] * see.weights)
-    exact = see.weights @ np.linalg.solve(consistent, see.weights.T @ (see.mass[:, None] * start))
-    method.advance(1e-9)
-    error = method.points.velocity - exact
-    # S⁺S of two points to the cell is at least 1/4 along an axis: the shortest wave, node to node
-    assert np.linalg.norm(error) <= (1 - 4.0**-3) ** order * np.linalg.norm(exact) + 1e-9
-    assert np.linalg.norm(error) > 0.01 * (1 - 4.0**-3) ** order * np.linalg.norm(exact) or order == 1000
+    assert {type(t).__name__: len(cube(t).points.affine) for t in ALL} == {"Flip": 0, "Apic": 64, "Tpic": 64}
 
 
 @SHAPE
@@ -120,6 +91,22 @@ def test_affine_transfers_reproduce_a_uniform_gradient(transfer: Transfer, shape
     method.advance(1e-9)  # no stress yet: nothing but the transfer
     assert_allclose(points.velocity, start, rtol=0, atol=10 * ROUNDING * np.abs(start).max())
     assert_allclose(points.affine, kept, rtol=0, atol=10 * ROUNDING * np.abs(start).max())
+
+
+@SHAPE
+@pytest.mark.parametrize("transfer", [Apic(), Tpic()], ids=str)
+def test_kinetic_energy_of_a_rigid_rotation_is_that_of_the_nodes_inertia(transfer: Transfer, shape: str) -> None:
+    """Points and the motion around them have w . I . w / 2, with I of the lumped nodes; points alone 4 to 9 % less."""
+    method = cube(transfer, cells=3, uneven=1.0, shape=shape)
+    see, points = dense(method), method.points
+    inertia = see.inertia() if isinstance(transfer, Apic) else np.eye(3)
+    points.velocity[:] = np.cross(SPIN, points.position - 1.5)
+    points.affine[:] = (np.cross(np.eye(3), SPIN) @ inertia).reshape(-1, 9)
+    nodes = points.position[0] + see.reach[0] - 1.5
+    exact = 0.5 * see.lumped @ (np.cross(SPIN, nodes) ** 2).sum(axis=1)
+    method.advance(1e-9)  # no stress yet: nothing but the transfer
+    assert_allclose(method.totals().kinetic, exact, rtol=ROUNDING)
+    assert 0.5 * points.mass @ (points.velocity**2).sum(axis=1) < 0.97 * exact
 
 
 def test_tpic_keeps_a_rigid_rotation_while_points_fly_through_cells() -> None:
@@ -179,7 +166,7 @@ def test_apic_keeps_angular_momentum_to_rounding(scheme: str, shape: str, volume
 
 
 @SHAPE
-@pytest.mark.parametrize("transfer", [Flip(0.0), Flip(1.0), Tpic(), Fmpm(1)], ids=str)
+@pytest.mark.parametrize("transfer", [Flip(0.0), Flip(1.0), Tpic()], ids=str)
 def test_other_transfers_change_angular_momentum_as_derived(transfer: Any, shape: str) -> None:
     """What nodes have around the points, ε:Σ N v_i ⊗ (x_i - x_p), is lost but for what a point keeps of it."""
     method, dt = stirred(cube(transfer, uneven=1.0, shape=shape, scheme="usl")), 1e-3
@@ -227,13 +214,12 @@ def amplitudes(transfer: Any, scheme: str, k: float, cell: float, dt: float, ste
     kh, affine = k * cell, isinstance(transfer, Apic | Tpic)
     see = np.array([3 * np.cos(kh / 4) + np.cos(3 * kh / 4), 3 * np.sin(kh / 4) - np.sin(3 * kh / 4)]) / 4
     slope, rest = 2 / cell * np.sin(kh / 2), 1 - see @ see
-    gain = sum(rest**j for j in range(transfer.order)) if isinstance(transfer, Fmpm) else 1.0
     u, stress, c, found = np.array([1.0, 0.0]), 0.0, 0.0, []
     growth = ELASTIC.instantaneous_modulus * dt * slope
     for _ in range(steps):
         if scheme == "usf":
             stress += growth * (see @ u + rest * c)
-        node = gain * (see @ u + rest * c - dt / DENSITY * slope * stress)
+        node = see @ u + rest * c - dt / DENSITY * slope * stress
         u, c = see * node, node if affine else 0.0
         if scheme == "usl":
             stress += growth * node
@@ -244,7 +230,7 @@ def amplitudes(transfer: Any, scheme: str, k: float, cell: float, dt: float, ste
 
 
 @SCHEME
-@pytest.mark.parametrize("transfer", [Apic(), Tpic(), Fmpm(1), Fmpm(2), Fmpm(6)], ids=str)
+@pytest.mark.parametrize("transfer", [Apic(), Tpic(), Flip(1.0)], ids=str)
 @pytest.mark.parametrize("waves", [1, 3])
 def test_transfer_follows_its_discrete_dispersion_relation(scheme: str, transfer: Transfer, waves: int) -> None:
     cells, steps, k = 8, 100, waves * np.pi / LENGTH
@@ -255,15 +241,6 @@ def test_transfer_follows_its_discrete_dispersion_relation(scheme: str, transfer
         found.append(amplitude(method, mode))
     expected = amplitudes(transfer, scheme, k, LENGTH / cells, dt, steps)
     assert_allclose(found, expected, rtol=0, atol=steps * STRAIN)
-
-
-def test_fmpm_damps_a_vibration_by_the_power_of_its_order() -> None:
-    cells, lost = 8, 3 / 8 * (1 - np.cos(np.pi / 8))
-    for order, periods in ((1, 1), (2, 2)):
-        means, _ = energies(periods, cells, transfer=Fmpm(order), safety=0.1)
-        # velocity loses (1 - F)^k each step, and energy, half of it kinetic, as much
-        decay = -np.log(means[-1] / means[0]) / ((2 * periods - 1) * cells / 0.1)
-        assert_allclose(decay, lost**order, rtol=0.1)
 
 
 @pytest.mark.parametrize("scheme", ["musl", "usf", "usl"])

@@ -28,7 +28,6 @@ from test_column import MODULI, SPEED
 from viscopoint.mpm.transfers import Transfer
 from viscopoint.mpm.transfers.apic import Apic
 from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.mpm.transfers.fmpm import Fmpm
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 LEAPFROG = COURANT**2 / 24
@@ -38,7 +37,7 @@ FLIP = [
     ("quadratic", Flip(0.0), 3 / 12 - LEAPFROG),
     ("cubic", Flip(0.0), 4 / 12 - LEAPFROG),
 ]
-OTHERS = [("trilinear", Apic(), 1 / 24 - LEAPFROG), ("trilinear", Fmpm(4), 1 / 24 - LEAPFROG)]
+OTHERS = [("trilinear", Apic(), 1 / 24 - LEAPFROG)]
 CELLS, DECAY, TIME = 100, 65.0, 0.02
 
 

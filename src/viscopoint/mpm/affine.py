@@ -57,6 +57,17 @@ def moment(field: Array, grid: Grid, at: Any) -> Matrix:
 
 
 @inline
+def affine_energy(at: Any, C: Matrix) -> float:
+    """Return Σ N |C (x_i - x_p)|² / 2 = tr(C D C^T) / 2 at a point, with C per cell: energy per mass [mm²/ms²]."""
+    x, y, z = inertia(at.wx), inertia(at.wy) if len(at.wy) > 1 else 0.0, inertia(at.wz)
+    return 0.5 * (
+        x * (C.xx * C.xx + C.yx * C.yx + C.zx * C.zx)
+        + y * (C.xy * C.xy + C.yy * C.yy + C.zy * C.zy)
+        + z * (C.xz * C.xz + C.yz * C.yz + C.zz * C.zz)
+    )
+
+
+@inline
 def spread_affine(grid: Grid, at: Any, m: float, v: tuple[float, float, float], C: Matrix) -> None:
     """Add N m and N m (v + C (x_i - x_p)) to the nodes' momentum; C is per cell."""
     spread(grid.momentum, grid, at, m * v[0], m * v[1], m * v[2], m)

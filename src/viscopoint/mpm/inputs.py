@@ -22,7 +22,6 @@ from viscopoint.rules import rule
 from viscopoint.units import Coordinate, Length
 
 MOST_CELLS = 1_000_000  # along an axis; only those around the body take memory
-HIGHEST_ORDER, USUAL_ORDER = 16, 2  # of FMPM
 BYTES_PER_POINT, BYTES_PER_NODE = 800, 500  # with one snapshot being written, and one grid replacing another: generous
 
 
@@ -46,14 +45,13 @@ class MPMInput(MethodInput):
     geometry: one_of(GEOMETRIES) = "3d"  # pyright: ignore[reportInvalidTypeForm]
     cell: Length
     spacing: Length
-    fill: one_of(FILLS) = "lattice"  # pyright: ignore[reportInvalidTypeForm]
-    shape: one_of(SHAPES) = "trilinear"  # pyright: ignore[reportInvalidTypeForm]
+    fill: one_of(FILLS) = "trimmed"  # pyright: ignore[reportInvalidTypeForm]
+    shape: one_of(SHAPES) = "gimp"  # pyright: ignore[reportInvalidTypeForm]
     scheme: one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
     volume: one_of(VOLUMES) = "local"  # pyright: ignore[reportInvalidTypeForm]
-    contact: one_of(CONTACTS) = "nodes"  # pyright: ignore[reportInvalidTypeForm]
+    contact: one_of(CONTACTS) = "gated"  # pyright: ignore[reportInvalidTypeForm]
     transfer: one_of(TRANSFERS) = "flip"  # pyright: ignore[reportInvalidTypeForm]
     pic_fraction: float = Field(default=0.0, ge=0, le=1)
-    order: int | None = Field(default=None, ge=1, le=HIGHEST_ORDER)
     safety: float = Field(default=0.2, gt=0, le=1)
     box: BoxInput | None = None
 
@@ -65,13 +63,11 @@ class MPMInput(MethodInput):
         return {"name": "mpm", "spacing": f"{distance!r} mm", "cell": f"{2.0 * distance!r} mm"}
 
     def completed(self, rod: Rod, impact: Impact, time: Time) -> "MPMInput":
-        """Return the table with a box, by default wide enough for a mushroom and a rebound, and FMPM's order.
+        """Return the table with a box, by default wide enough for a mushroom and a rebound.
 
         No rod rebounds faster than it came; half of it above the flight is room for its vibrations. Only the part of
         the box around the body takes memory.
         """
-        if self.transfer == "fmpm" and self.order is None:
-            return self.model_copy(update={"order": USUAL_ORDER}).completed(rod, impact, time)
         if self.box is not None:
             return self
         side, low = 4.0 * rod.radius, 0.0 - impact.gap
@@ -100,7 +96,7 @@ class MPMInput(MethodInput):
             box=GEOMETRIES[self.geometry].within(Box(*zip(box.x, box.y, box.z, strict=True)), self.cell),
             shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
             scheme=SCHEMES[self.scheme],
-            transfer=TRANSFERS[self.transfer].chosen(self.pic_fraction, self.order or USUAL_ORDER),
+            transfer=TRANSFERS[self.transfer].chosen(self.pic_fraction),
             safety=self.safety,
             viscosity=self.bulk_viscosity.build(),
             volume=VOLUMES[self.volume],
@@ -119,17 +115,12 @@ def pic_is_of_flip(pic: float, transfer: str) -> str | None:
     )
 
 
-@rule("method.order", "method.transfer")
-def order_is_of_fmpm(order: int | None, transfer: str) -> str | None:
-    return f'{order} is of "fmpm"; method.transfer is "{transfer}"' if order and transfer != "fmpm" else None
-
-
 @rule("method.transfer", "method.shape", "method.scheme")
 def smooth_slopes_where_needed(transfer: str, shape: str, scheme: str) -> str | None:
     if shape != "trilinear" or not (transfer == "tpic" or (scheme == "usl" and transfer != "flip")):
         return None
     told = f'"{transfer}" with method.scheme = "{scheme}" carries on what points feel of nodes of nearly no mass, which'
-    return f'{told} has no bound with method.shape = "trilinear"; take "gimp", or "apic" or "fmpm" with "musl" or "usf"'
+    return f'{told} has no bound with method.shape = "trilinear"; take "gimp", or "apic" with "musl" or "usf"'
 
 
 @rule("method.spacing", "method.cell")

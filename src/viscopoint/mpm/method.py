@@ -66,7 +66,7 @@ class MaterialPointMethod:
         if choices.shape.stretches or choices.contact.stretches:
             self.points = self.points._replace(stretch=np.ones((len(body.position), 3), choices.real))
         overhang = choices.shape.overhang
-        spares = max(choices.transfer.spares, choices.volume.spares, choices.contact.spares)
+        spares = max(choices.volume.spares, choices.contact.spares)
         self.grid: Grid = lattice(choices.box, choices.cell, len(body.position), overhang, choices.grid, spares)
         fastest = float(np.linalg.norm(self.points.velocity, axis=1).max())
         self.grid.critical[:] = choices.cell / (signal_speed(self.sound, 0.0) + fastest)

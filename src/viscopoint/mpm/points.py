@@ -28,6 +28,7 @@ class Points(NamedTuple):
     viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
     stretch: Array  # [p, 3], of the material along x, y and z; no rows where nobody asks for it
     affine: Array  # [p, 9], what a transfer keeps of the motion around the point; [0, 9] if it keeps nothing
+    affine_energy: Array  # [p], kinetic energy per mass of that motion, mm^2/ms^2; no rows if there is none
 
 
 def at_rest(
@@ -50,4 +51,5 @@ def at_rest(
         viscous_loss=np.zeros(count, real),
         stretch=np.ones((0, 3), real),
         affine=np.zeros((count if affine else 0, 9), real),
+        affine_energy=np.zeros(count if affine else 0, real),
     )

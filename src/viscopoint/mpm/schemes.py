@@ -40,7 +40,6 @@ def musl(mpm: "MaterialPointMethod", dt: float) -> None:
     grid = mpm.fresh_grid()
     scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
-    transfer.correct(points, grid, shape)  # v_i, if the transfer knows better
     mpm.contact(grid)  # v_n >= 0 on the wall
     forget(grid.momentum)
     gather_velocity_and_remap(points, grid, shape, transfer)  # v_p, then (mv)_i of the accelerated points
@@ -57,7 +56,6 @@ def usl(mpm: "MaterialPointMethod", dt: float) -> None:
     grid = mpm.fresh_grid()
     scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
-    transfer.correct(points, grid, shape)  # v_i, if the transfer knows better
     mpm.contact(grid)  # v_n >= 0 on the wall
     gather_velocity(points, grid, shape, transfer)  # v_p
     mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
@@ -76,7 +74,6 @@ def usf(mpm: "MaterialPointMethod", dt: float) -> None:
     mpm.fresh_grid()
     scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
     accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
-    transfer.correct(points, grid, shape)  # v_i, if the transfer knows better
     mpm.contact(grid)  # v_n >= 0 on the wall
     gather_velocity(points, grid, shape, transfer)  # v_p
     move(points, grid, dt)  # x_p

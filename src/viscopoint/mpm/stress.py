@@ -119,6 +119,7 @@ def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
     """Sum over each chunk of points: kinetic, stored, law-dissipated, hypoelastic, viscous energy; mass; momentum.
 
     They go into ``sums[chunk, 9]``, in mJ, g and g mm/ms. Points that were lost keep what they had and are in it.
+    Kinetic energy includes that of the affine motion around a point, which the transfer hands back to the nodes.
     """
     total = len(points.mass)
     for chunk in prange(CHUNKS):
@@ -127,6 +128,8 @@ def sum_points(points: Points, law: Any, blank: History, sums: Array) -> None:
         for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
             m, volume, v = points.mass[p], np.float64(points.volume[p]), points.velocity[p]
             row[0] += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            if len(points.affine_energy) > 0:
+                row[0] += m * points.affine_energy[p]
             row[1] += volume * stored_energy(
                 law, points.jacobian[p], read(points.stress[p]), load(points.history[p], blank)
             )

@@ -5,12 +5,12 @@ implementations of ``give``, ``give_with_force`` and ``take``. In all of them th
 of the accelerated nodes, and linear momentum goes over without loss. They differ in what a point remembers:
 
 - of velocities that the nodes do not see: FLIP keeps them for good, and with them the noise; the others forget;
-- of the motion around the point: FLIP, PIC and FMPM nothing, APIC a moment, TPIC a gradient.
+- of the motion around the point: FLIP and PIC nothing, APIC a moment, TPIC a gradient.
 
 A wave of which points and nodes leave each other the share F per exchange, S⁺S v = F v (S interpolates to the points by
-N, S⁺ averages back), loses nothing by FLIP, 1 - F each step by PIC, (1 - F)^k by FMPM(k), and what no affine field
-around the points can hold by APIC and TPIC. It is missing from the points' kinetic energy, m_p v_p² / 2, and so is in
-the ledger's remainder; the motion that APIC and TPIC keep around points is in no account either.
+N, S⁺ averages back), loses nothing by FLIP, 1 - F each step by PIC, and what no affine field around the points can hold
+by APIC and TPIC: it is the ledger's remainder. The motion that APIC and TPIC keep around points goes back to the nodes;
+it is kinetic energy of the points, m_p (v_p² + tr(C D C^T)) / 2 with C = B D⁻¹ for APIC, when they took it.
 """
 
 from collections.abc import Callable
@@ -30,8 +30,8 @@ class Transfer(Protocol):
     """What the method asks of a transfer beside ``give``, ``give_with_force`` and ``take``."""
 
     @classmethod
-    def chosen(cls, pic: float, order: int) -> Self:
-        """Return the transfer with the share of PIC or the order, if it has such."""
+    def chosen(cls, pic: float) -> Self:
+        """Return the transfer with the share of PIC, if it has such."""
         ...
 
     @property
@@ -40,17 +40,8 @@ class Transfer(Protocol):
         ...
 
     @property
-    def spares(self) -> int:
-        """How many spare arrays of nodes the transfer needs."""
-        ...
-
-    @property
     def dissipates(self) -> str:
         """By what the transfer loses energy, in the words of the guard that stops a run for it."""
-        ...
-
-    def correct(self, points: Points, grid: Grid, shape: Any) -> None:
-        """Make the accelerated nodes' velocity, of the lumped mass, what the points shall see."""
         ...
 
 

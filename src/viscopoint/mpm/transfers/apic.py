@@ -9,10 +9,18 @@ the planes of nodes. N D⁻¹ (x_i - x_p) is finite even there, but it is all th
 the momentum by which points are strained is mapped with a D of at least ``LEAST``; no account depends on it.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from viscopoint.jit import implements, inline
-from viscopoint.mpm.affine import inertia, moment, spread_affine, spread_force, store_matrix, stored_matrix
+from viscopoint.mpm.affine import (
+    affine_energy,
+    inertia,
+    moment,
+    spread_affine,
+    spread_force,
+    store_matrix,
+    stored_matrix,
+)
 from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import Support, sampled
@@ -27,7 +35,7 @@ class Apic(NamedTuple):
     """Points keep B_p [mm^2/ms]."""
 
     @classmethod
-    def chosen(cls, pic: float, order: int) -> "Apic":
+    def chosen(cls, pic: float) -> "Apic":
         return cls()
 
     @property
@@ -35,15 +43,8 @@ class Apic(NamedTuple):
         return True
 
     @property
-    def spares(self) -> int:
-        return 0
-
-    @property
     def dissipates(self) -> str:
         return "APIC forgets what cells cannot hold, its own loss (method.transfer; guards.energy_error may allow it)"
-
-    def correct(self, points: Points, grid: Grid, shape: Any) -> None:
-        """Leave the nodes as they are."""
 
 
 @inline
@@ -72,3 +73,4 @@ def seen(transfer: Apic, points: Points, p: int, grid: Grid, at: Support) -> Non
     moves = sampled(grid.velocity, grid, at)
     carry(points, p, moves, moves)
     store_matrix(points.affine, p, grid.cell, moment(grid.velocity, grid, at))
+    points.affine_energy[p] = affine_energy(at, slope(points, p, grid, at, 0.0))

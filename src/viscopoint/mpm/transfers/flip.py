@@ -7,7 +7,7 @@ points know differently: -Σ m_p ε:Σ N Δv_i ⊗ (x_i - x_p), and as points mo
 Σ m_p ε:Σ N v_i ⊗ (x_i - x_p).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from viscopoint.jit import implements
 from viscopoint.mpm.grid import Grid
@@ -24,7 +24,7 @@ class Flip(NamedTuple):
     pic: float  # share of PIC, 0 to 1
 
     @classmethod
-    def chosen(cls, pic: float, order: int) -> "Flip":
+    def chosen(cls, pic: float) -> "Flip":
         return cls(pic)
 
     @property
@@ -32,15 +32,8 @@ class Flip(NamedTuple):
         return False
 
     @property
-    def spares(self) -> int:
-        return 0
-
-    @property
     def dissipates(self) -> str:
         return "the transfers dissipate (method.pic_fraction)"
-
-    def correct(self, points: Points, grid: Grid, shape: Any) -> None:
-        """Leave the nodes as they are."""
 
 
 @implements(give, Flip)

@@ -10,10 +10,10 @@ slope where they have no weight. (Strain by the gradient of the step before woul
 velocity feeds short waves: by 1 % each step at a fifth of the critical one.)
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from viscopoint.jit import implements
-from viscopoint.mpm.affine import spread_affine, spread_force, store_matrix, stored_matrix
+from viscopoint.mpm.affine import affine_energy, spread_affine, spread_force, store_matrix, stored_matrix
 from viscopoint.mpm.grid import Grid
 from viscopoint.mpm.points import Points
 from viscopoint.mpm.support import Support, gradient, sampled
@@ -26,7 +26,7 @@ class Tpic(NamedTuple):
     """Points keep C_p [1/ms]."""
 
     @classmethod
-    def chosen(cls, pic: float, order: int) -> "Tpic":
+    def chosen(cls, pic: float) -> "Tpic":
         return cls()
 
     @property
@@ -34,15 +34,8 @@ class Tpic(NamedTuple):
         return True
 
     @property
-    def spares(self) -> int:
-        return 0
-
-    @property
     def dissipates(self) -> str:
         return "TPIC forgets what cells cannot hold, its own loss (method.transfer; guards.energy_error may allow it)"
-
-    def correct(self, points: Points, grid: Grid, shape: Any) -> None:
-        """Leave the nodes as they are."""
 
 
 @implements(give, Tpic)
@@ -62,4 +55,6 @@ def momentum_and_force(transfer: Tpic, points: Points, p: int, grid: Grid, at: S
 def seen(transfer: Tpic, points: Points, p: int, grid: Grid, at: Support) -> None:
     moves = sampled(grid.velocity, grid, at)
     carry(points, p, moves, moves)
-    store_matrix(points.affine, p, grid.per_cell, gradient(grid.velocity, grid, at, 1.0))
+    C = gradient(grid.velocity, grid, at, 1.0)
+    store_matrix(points.affine, p, grid.per_cell, C)
+    points.affine_energy[p] = affine_energy(at, C)

@@ -71,7 +71,7 @@ def rings(
         box=Box((0.0, 0.0, -4 * cell), (4 * radius, cell, top)),
         shape=SHAPES[shape].fitted(0.5),
         scheme=SCHEMES["musl"],
-        transfer=TRANSFERS[transfer].chosen(0.0, 2),
+        transfer=TRANSFERS[transfer].chosen(0.0),
         safety=safety,
         viscosity=BulkViscosity(*viscosity),
         volume=VOLUMES[volume],

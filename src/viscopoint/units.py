@@ -154,8 +154,10 @@ class Quantity:
 # gels, some Pa, to twenty times diamond; rigid or incompressible solids are modelled so. Decay: as times.
 LENGTHS, TIMES = ("um", "mm", "cm", "m", "in"), ("ns", "us", "ms", "s")
 _COORDINATE = Quantity("length", "mm", "0.5 mm", (0.0, math.inf), LENGTHS)
+_GAP = Quantity("length", "mm", "0.5 mm", (0.0, 1e8), LENGTHS)  # as good as zero is zero
 _LENGTH = Quantity("length", "mm", "0.5 mm", (1e-7, 1e8), LENGTHS)
 _TIME = Quantity("time", "ms", "20 us", (1e-12, 1e9), TIMES)
+_INSTANT = Quantity("time", "ms", "20 us", (0.0, 1e9), TIMES)
 _SPEED = Quantity("speed", "m/s", "150 m/s", (1e-6, 1e5), ("mm/s", "m/s", "km/s", "ft/s"))
 _DENSITY = Quantity(
     "density", "g/mm^3", "1.0 g/cm^3", (1e-7, 0.5), ("kg/m^3", "g/cm^3", "g/mm^3", "tonne/mm^3", "lb/in^3")
@@ -165,10 +167,10 @@ _DECAY = Quantity("decay constant", "1/ms", "650 1/ms", (1e-9, 1e12), ("1/s", "1
 
 Coordinate = Annotated[float, _COORDINATE]
 Length = Annotated[float, Field(gt=0), _LENGTH]
-Gap = Annotated[float, Field(ge=0), _LENGTH]
+Gap = Annotated[float, Field(ge=0), _GAP]
 Speed = Annotated[float, Field(gt=0), _SPEED]
 Duration = Annotated[float, Field(gt=0), _TIME]
-Instant = Annotated[float, Field(ge=0), _TIME]
+Instant = Annotated[float, Field(ge=0), _INSTANT]
 Density = Annotated[float, Field(gt=0), _DENSITY]
 Modulus = Annotated[float, Field(ge=0), _MODULUS]
 PositiveModulus = Annotated[float, Field(gt=0), _MODULUS]

@@ -205,6 +205,7 @@ def test_what_is_studied_is_plausible():
         (units.Speed, ["1 um/s", "72 km/s"]),
         (units.Decay, ["0 1/s", "1e-3 1/s", "1e12 1/s"]),
         (units.Duration, ["1 ps", "1 h"]),
+        (units.Gap, ["0 mm", "1e-6 nm"]),
     )
     for kind, values in studied:
         for value in values:

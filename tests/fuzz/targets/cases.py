@@ -23,7 +23,7 @@ MODULES = (
 UNITS = (
     "mm", "m", "um", "us", "ms", "s", "MPa", "GPa", "1/ms", "m/s", "g/cm^3", "kg/m**3", "N/mm^2", "mm^9^9", "m^-9",
     "degC", "dB", "K", "percent", "", "mm*mm/mm", "ly", "eV", "m" * 90, "1/" * 40 + "m", "delta_degF", "inch", "%",
-    "µs", "(mm)",
+    "µs", "μs", "(mm)", "ton", "tonne/mm^3", "g/cm³", "N/mm2", "/ms", "ms⁻¹", "kg·m^-3", "ksi", "mPa", "Mm", "rpm",
 )  # fmt: skip
 SIZES = (
     "rod.radius", "rod.length", "impact.gap", "impact.speed", "method.size", "method.spacing", "method.cell",

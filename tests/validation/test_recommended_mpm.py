@@ -53,13 +53,33 @@ def test_violent_rods_finish_within_the_guard_and_agree_with_elements_while_thes
     assert reference.status == "complete"
     found, exact = run.rows[1], reference.rows[-1]
     spacing, rest = case.method.resolution(), case.rod
-    # the outermost ring is known to half its width, which stretches with the foot
-    stretch = exact.greatest_radius / rest.radius
-    assert found.greatest_radius == pytest.approx(exact.greatest_radius, abs=0.5 * spacing * stretch)
+    # the outermost ring is known to half its width, which stretches with the foot; the rubber flows out in a lip thinner
+    # than a cell: its end is known to a cell
+    width = spacing * exact.greatest_radius / rest.radius
+    assert found.greatest_radius == pytest.approx(
+        exact.greatest_radius, abs=2 * spacing if "rubber" in name else 0.5 * width
+    )
     # one layer of points is stopped early or late
     layer = spacing / rest.length
     assert found.velocity == pytest.approx(exact.velocity, abs=layer * case.impact.speed)
     assert found.length == pytest.approx(exact.length, abs=spacing)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("shape", ["quadratic", "cpgimp"])
+def test_shapes_for_feet_that_spread_far_keep_the_length_at_500_metres_a_second(shape: str):
+    """By then the foot has 3.5 radii, and boxes that do not stretch have come apart: 4.9 instead of 5.8 mm of length."""
+    case = rod(PAPER, 500.0, 3.8, 40.0, 20.0)
+    found, reference = by(case, "mpm", shape=shape), by(case, "fem", element="selective")
+    assert (found.status, reference.status) == ("complete", "complete")
+    assert found.results.energy_error < 2.5
+    for mine, exact in zip(found.rows[1:], reference.rows[1:], strict=True):
+        spacing = case.method.resolution()
+        assert mine.length == pytest.approx(exact.length, abs=spacing)
+        assert mine.greatest_radius == pytest.approx(
+            exact.greatest_radius, abs=0.5 * spacing * exact.greatest_radius / 3.8
+        )
+        assert mine.velocity == pytest.approx(exact.velocity, abs=spacing / 25.0 * 500.0)
 
 
 def disc(spacing: float, **choices: str) -> vp.Run:

@@ -53,8 +53,8 @@ def test_violent_rods_finish_within_the_guard_and_agree_with_elements_while_thes
     assert reference.status == "complete"
     found, exact = run.rows[1], reference.rows[-1]
     spacing, rest = case.method.resolution(), case.rod
-    # the outermost ring is known to half its width, which stretches with the foot; the rubber flows out in a lip thinner
-    # than a cell: its end is known to a cell
+    # the outermost ring is known to half its width, which stretches with the foot; the rubber flows out in a lip
+    # thinner than a cell: its end is known to a cell
     width = spacing * exact.greatest_radius / rest.radius
     assert found.greatest_radius == pytest.approx(
         exact.greatest_radius, abs=2 * spacing if "rubber" in name else 0.5 * width
@@ -68,7 +68,7 @@ def test_violent_rods_finish_within_the_guard_and_agree_with_elements_while_thes
 @pytest.mark.long
 @pytest.mark.parametrize("shape", ["quadratic", "cpgimp"])
 def test_shapes_for_feet_that_spread_far_keep_the_length_at_500_metres_a_second(shape: str):
-    """By then the foot has 3.5 radii, and boxes that do not stretch have come apart: 4.9 instead of 5.8 mm of length."""
+    """The foot reaches 3.5 radii. Boxes that do not stretch come apart: 4.9 instead of 5.8 mm of length."""
     case = rod(PAPER, 500.0, 3.8, 40.0, 20.0)
     found, reference = by(case, "mpm", shape=shape), by(case, "fem", element="selective")
     assert (found.status, reference.status) == ("complete", "complete")

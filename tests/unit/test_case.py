@@ -189,10 +189,11 @@ def test_default_box_reaches_from_the_wall_around_the_rod():
     del tables["method"]["box"]
     case = vp.Case.from_tables(tables)
     box = box_of(case)
-    assert box.x == (-4 * 3.8, 4 * 3.8)
-    assert box.z == (-0.01, 2 * 25.4 + 150.0 * 20e-3)  # and as high as it can fly
+    flight = 150.0 * 20e-3
+    assert box.x == (-4 * 3.8 - flight, 4 * 3.8 + flight)
+    assert box.z == (-0.01 - 2 * 0.5, 2 * 25.4 + flight)
     thick = box_of(case.with_(rod={"radius": "20 mm"}, impact={"gap": "5 mm"}))  # the box follows
-    assert (thick.x, thick.z) == ((-80.0, 80.0), (-5.0, 2 * 25.4 + 150.0 * 20e-3))
+    assert (thick.x, thick.z) == ((-83.0, 83.0), (-6.0, 2 * 25.4 + flight))
 
 
 def test_choices_of_the_material_point_method_reach_it():

@@ -225,7 +225,12 @@ def test_starter_case_takes_the_recommended_method_as_any_case_that_names_none(t
 
 def test_ctrl_c_ends_with_code_130_and_keeps_what_was_computed(tmp_path: Path):
     folder = tmp_path / "run"
-    endless = ("time.end=20 ms", "time.snapshots=[]", "method.box.z=['-0.01 mm', '9 m']")
+    endless = (
+        "time.end=20 ms",
+        "time.snapshots=[]",
+        "output.history_interval=0 us",
+        "method.box.z=['-0.01 mm', '9 m']",
+    )
     settings = [word for setting in endless for word in ("--set", setting)]
     command = [sys.executable, "-m", "viscopoint", "run", "paper", "--out", str(folder), "--no-figures", *settings]
     # a shell that runs tests in the background makes them ignore SIGINT; a user's does not

@@ -90,7 +90,6 @@ def disc(spacing: float, **choices: str) -> vp.Run:
         "material": {"law": "elastic", "density": "1 g/cm^3", "bulk": "833.33 kPa", "shear": "384.6 kPa"},
         "method": {
             "name": "mpm", "geometry": "axisymmetric", "spacing": f"{spacing} mm", "cell": f"{2 * spacing} mm",
-            "box": {"x": ["-40 mm", "40 mm"], "y": ["-40 mm", "40 mm"], "z": ["-0.5 mm", "60 mm"]},
             **choices,
         },
         "time": {"end": "3 ms", "snapshots": []},
@@ -103,14 +102,14 @@ def test_an_elastic_disc_rebounds_as_elements_and_total_lagrangian_points_say():
     coarse, fine = disc(0.5), disc(0.25)
     for run in (coarse, fine):
         assert run.status == "complete"
-        assert run.results.energy_error < 2.0  # %
+        assert run.results.energy_error < 2.5  # %, as of all cases of docs/methods.md
     slow, fast = (run.rows[-1].velocity for run in (coarse, fine))
     assert slow < fast < 3.575
     assert 2 * fast - slow == pytest.approx(3.575, abs=0.05)  # a quarter of what halving the cell brings
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("shape", ["cpgimp", "quadratic"])
+@pytest.mark.parametrize("shape", ["cpgimp", "gimp"])
 def test_other_shapes_bounce_alike(shape: str):
     coarse, fine = (disc(spacing, shape=shape) for spacing in (0.5, 0.25))
     assert max(run.results.energy_error for run in (coarse, fine)) < 2.5

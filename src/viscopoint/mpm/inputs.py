@@ -22,6 +22,7 @@ from viscopoint.rules import rule
 from viscopoint.units import Coordinate, Length
 
 MOST_CELLS = 1_000_000  # along an axis; only those around the body take memory
+SLIP = 2  # cells of the default box beyond the wall
 BYTES_PER_POINT, BYTES_PER_NODE = 800, 500  # with one snapshot being written, and one grid replacing another: generous
 
 
@@ -46,7 +47,7 @@ class MPMInput(MethodInput):
     cell: Length
     spacing: Length
     fill: one_of(FILLS) = "trimmed"  # pyright: ignore[reportInvalidTypeForm]
-    shape: one_of(SHAPES) = "gimp"  # pyright: ignore[reportInvalidTypeForm]
+    shape: one_of(SHAPES) = "quadratic"  # pyright: ignore[reportInvalidTypeForm]
     scheme: one_of(SCHEMES) = "musl"  # pyright: ignore[reportInvalidTypeForm]
     volume: one_of(VOLUMES) = "local"  # pyright: ignore[reportInvalidTypeForm]
     contact: one_of(CONTACTS) = "gated"  # pyright: ignore[reportInvalidTypeForm]
@@ -65,13 +66,13 @@ class MPMInput(MethodInput):
     def completed(self, rod: Rod, impact: Impact, time: Time) -> "MPMInput":
         """Return the table with a box, by default wide enough for a mushroom and a rebound.
 
-        No rod rebounds faster than it came; half of it above the flight is room for its vibrations. Only the part of
-        the box around the body takes memory.
+        No rod rebounds faster than it came, and hardly anything flies off faster. Points may slip a little way into the
+        wall. Only the part of the box around the body takes memory.
         """
         if self.box is not None:
             return self
-        side, low = 4.0 * rod.radius, 0.0 - impact.gap
-        high = min(2.0 * rod.length + impact.speed * time.end, low + MOST_CELLS * self.cell)
+        flight, most, low = impact.speed * time.end, MOST_CELLS * self.cell, -impact.gap - SLIP * self.cell
+        side, high = min(4.0 * rod.radius + flight, 0.5 * most), min(2.0 * rod.length + flight, low + most)
         box = BoxInput.model_construct(x=(-side, side), y=(-side, side), z=(low, high))
         return self.model_copy(update={"box": box})
 

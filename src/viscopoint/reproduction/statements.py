@@ -59,9 +59,10 @@ def _each(*methods: str) -> tuple[str, ...]:
 
 @states("fig2", "the FEM mesh follows the circumference", ["fem-650"])
 def mesh_is_round(runs: Runs) -> Finding:
-    radii = _rim(runs["fem-650"])
-    off = float(np.abs(radii - runs["fem-650"].case.rod.radius).max())
-    return Finding(off < 1e-9, f"its outer nodes stand on the circle of 3.8 mm within {off:.0e} mm")
+    radii, radius = _rim(runs["fem-650"]), runs["fem-650"].case.rod.radius
+    off, outside = float(np.ptp(radii)), float(radii.mean()) / radius - 1.0
+    told = f"its outer nodes stand on one circle within {off:.0e} mm, {100.0 * outside:.2f} % outside that of 3.8 mm"
+    return Finding(off < 1e-9 and 0.0 <= outside < 0.002, f"{told}, whose area the polygon between them has")
 
 
 @states("fig2", "the MPM points are stair-stepped", ["mpm-650"])

@@ -262,10 +262,11 @@ def cell_of(kind: str) -> pyvista.UnstructuredGrid:
         (bent("not a number"), r"coordinates are not all finite"),
         (
             bent("two pieces"),
-            r"2 separate pieces that share no node, x -3\.8 to 3\.8, y -3\.8 to 3\.8, z 0 to 12\.7 mm; "
-            r"x -3\.8 to 3\.8, y -3\.8 to 3\.8, z 12\.7 to 25\.4 mm\. One body is supported: leave the rod alone",
+            r"2 separate pieces that share no node, x -4\.005 to 4\.005, y -4\.005 to 4\.005, z 0 to 12\.7 mm; "
+            r"x -4\.005 to 4\.005, y -4\.005 to 4\.005, z 12\.7 to 25\.4 mm\. One body is supported: leave the rod "
+            "alone",
         ),
-        (bent("six rods"), r"6 separate pieces .*; x 36\.2 to 43\.8, .*; and 2 more\. One body is supported"),
+        (bent("six rods"), r"6 separate pieces .*; x 36 to 44, .*; and 2 more\. One body is supported"),
         (bent("off the wall"), r"reaches from z = 1 mm to 26.4 mm"),
         (bent("a little off the wall"), r"reaches from z = 0.02 mm"),
         (bent("elements twice"), r"3 elements stand in the place of others"),

@@ -128,7 +128,7 @@ def test_a_number_of_threads_that_cannot_be_is_refused_and_nothing_written(
     wanted: Any, quick: vp.Case, finished: Path, tmp_path: Path
 ):
     for call in (lambda: vp.run(quick, tmp_path / "run", threads=wanted), lambda: vp.resume(finished, threads=wanted)):
-        with pytest.raises(vp.InputError, match=r"threads: .*this machine has"):
+        with pytest.raises(vp.InputError, match=r"threads: .*(this machine has|is not a whole number)"):
             call()
     assert list(tmp_path.iterdir()) == []
     if type(wanted) is int:

@@ -119,7 +119,7 @@ def test_changes_that_are_no_toml_are_bare_text():
     assert changes_of(settings) == {
         "rod.radius": "4 mm", "a": [1, 2], "b": "9" * 5000, "c": "[" * 5000, "d.e": "x",
     }  # fmt: skip
-    with pytest.raises(CaseError, match="unknown key"):
+    with pytest.raises(vp.InputError, match="nested too deeply"):
         vp.Case.load("paper", {"a" + ".b" * 5000: 1})
 
 

@@ -66,9 +66,9 @@ def print_summary(run: Run) -> None:
     for row in run.rows:
         ledger = 100.0 * row.numerical / run.results.initial_energy
         table.add_row(
-            f"{row.time * 1e3:g}", f"{row.length:.3f}", f"{row.contact_radius:.3f}", f"{row.greatest_radius:.3f}",
-            f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}", f"{row.hourglass_share:.1f}",
-            f"{ledger:+.2f}", str(row.lost),
+            f"{row.time * 1e3:g}", _known(row.length, ".3f"), _known(row.contact_radius, ".3f"),
+            _known(row.greatest_radius, ".3f"), f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}",
+            _known(row.hourglass_share, ".1f"), f"{ledger:+.2f}", str(row.lost),
         )  # fmt: skip
     screen = console()
     if run.case.title:
@@ -78,6 +78,11 @@ def print_summary(run: Run) -> None:
     screen.print(_ending(run), markup=False, soft_wrap=True)
     for text in run.results.warnings:
         screen.print(f"WARNING: {one_line(text)}", markup=False, soft_wrap=True)
+
+
+def _known(value: float, form: str) -> str:
+    """Return a number as it is shown; what is not known, or was measured on points that are lost, is a dash."""
+    return format(value, form) if math.isfinite(value) else "-"
 
 
 def _ending(run: Run) -> str:

@@ -10,6 +10,7 @@ import pytest
 import viscopoint as vp
 from viscopoint.gauges import Gauges, measure
 from viscopoint.mpm.fills.lattice import rod_lattice
+from viscopoint.terminal import print_summary
 
 REBOUND = {
     "method.geometry": "axisymmetric", "method.spacing": "0.76 mm", "method.cell": "1.52 mm",
@@ -43,7 +44,7 @@ def test_a_rod_that_leaves_its_box_stops_the_run():
     assert "method.box" in run.results.reason
 
 
-def test_a_run_that_may_lose_points_says_so_and_gives_no_length(tmp_path: Path):
+def test_a_run_that_may_lose_points_says_so_and_gives_no_length(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     case = rebound(**NARROW, **{"time.end": "1 ms", "guards.lost_share": 1.0})
     with pytest.warns(vp.ResultWarning, match="points left the box"):
         run = vp.run(case, tmp_path / "run")
@@ -59,6 +60,12 @@ def test_a_run_that_may_lose_points_says_so_and_gives_no_length(tmp_path: Path):
     assert summary["snapshots"][-1]["length"] is None
     assert "points left the box" in summary["reason"]
     assert len(list((tmp_path / "run" / "figures").iterdir())) == 4
+    print_summary(run)
+    shown = capsys.readouterr().out
+    last = next(line for line in shown.splitlines() if line.split()[:1] == ["1000"])
+    assert last.split()[1] == "-"  # length
+    assert "complete with losses" in shown
+    assert "WARNING: " in shown
 
 
 @pytest.mark.parametrize(

@@ -217,6 +217,8 @@ def _described(name: str, run: Run) -> dict[str, Any]:
         "resolution [mm]": case.method.resolution() or None,  # that of a mesh file is not known
         "points": results.points,
         "elements": results.elements,
+        "mass [g]": results.mass if math.isfinite(results.mass) else None,
+        "mass_error [%]": results.mass_error if math.isfinite(results.mass) else None,
         "status": run.status,
         "reason": results.reason,
         "viscopoint": run.provenance.get("viscopoint"),

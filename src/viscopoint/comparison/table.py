@@ -1,5 +1,6 @@
 """A comparison as tables for the terminal."""
 
+import math
 from collections.abc import Iterator
 
 from rich.markup import escape
@@ -85,7 +86,12 @@ def _lines(comparison: Comparison, states: tuple[State, ...]) -> Iterator[Line]:
 
 
 def _cells(values: list[float], digits: int, base: float) -> list[str]:
-    """Return the first value, and the others with their difference from it in per cent of a base."""
+    """Return the first value, and the others with their difference from it in per cent of a base; a dash: not known."""
     first, *others = values
-    shares = (f" ({100.0 * (value - first) / abs(base):+.2f})" if base else "" for value in others)
-    return [f"{first:.{digits}f}", *(f"{value:.{digits}f}{share}" for value, share in zip(others, shares, strict=True))]
+
+    def share(value: float) -> str:
+        part = 100.0 * (value - first) / abs(base) if base else math.nan
+        return f" ({part:+.2f})" if math.isfinite(part) else ""
+
+    shown = [f"{value:.{digits}f}" if math.isfinite(value) else "-" for value in values]
+    return [shown[0], *(words + share(value) for words, value in zip(shown[1:], others, strict=True))]

@@ -19,12 +19,14 @@ VARIANTS = {
     "fem, one-point": ("fem", {"element": "one-point"}),
     "fem, selective": ("fem", {"element": "selective"}),
     "tlmpm": ("tlmpm", {}),
+    "mpm": ("mpm", {}),
 }
 
 
 def case_of(method: str, choices: dict[str, str], size: float, friction: float) -> vp.Case:
     """Return the case at a distance of nodes or points."""
     distance = {"size" if method == "fem" else "spacing": f"{size} mm"}
+    distance |= {"cell": f"{2 * size} mm"} if method == "mpm" else {}
     tables = vp.Case.load("paper-65").to_tables()
     tables |= {"method": {"name": method, "geometry": "axisymmetric", **choices, **distance}}
     tables["impact"] |= {"friction": friction, "gap": "0 mm"}

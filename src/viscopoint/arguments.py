@@ -31,7 +31,11 @@ def checked(function: F) -> F:
     @functools.wraps(function)
     def check(*words: Any, **named: Any) -> Any:
         hints = typing.get_type_hints(function)
-        for name, value in signature.bind(*words, **named).arguments.items():
+        try:
+            arguments = signature.bind(*words, **named).arguments
+        except TypeError as error:
+            raise TypeError(f"{function.__qualname__}: {error}") from None
+        for name, value in arguments.items():
             if name in hints and not _fits(value, hints[name]):
                 place = function.__qualname__.removesuffix(".__init__")
                 shown = clipped(one_line(repr(value)), LONGEST)

@@ -6,6 +6,8 @@
   R / R0 is off by 1 % where a mushroom's foot is stretched unevenly.) Nodes on the surface show it by their mean.
 - The **contact radius** is the greatest of the surface no higher above the lowest point than ``Surface.near``, so of
   what is on the wall, or would touch it first. From a layer that is on the wall to the next the outline is straight.
+  Nodes and points that stand on the surface know that to 0.1 % of the radius in height, and so whether a rim is lifted
+  by some micrometres; points of a lattice know it to half a spacing, and take such a rim for touching.
 - The **impact face's radius** is that of the lowest layer of material. With friction the side rolls onto the wall, and
   the contact is larger; a rim that curls up makes it smaller.
 - The **greatest radius** is the largest of all layers.

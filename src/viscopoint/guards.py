@@ -52,7 +52,7 @@ def is_finite(row: Row) -> bool:
 
 def lost_in_words(row: Row, mass: float, method: Method) -> str:
     """Say what left the box or was deleted, of a body of some mass [g]."""
-    return f"{row.lost} {method.advice.losses}, {100 * row.lost_mass / mass:.2g} % of the mass"
+    return f"{row.lost} {method.advice.losses}, {100 * row.lost_mass / mass:.3g} % of the mass"
 
 
 def _check_finite(row: Row, method: Method) -> None:

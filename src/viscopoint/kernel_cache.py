@@ -23,7 +23,7 @@ from filelock import FileLock
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 from viscopoint import outside
-from viscopoint.errors import ViscopointWarning
+from viscopoint.errors import InputError, ViscopointWarning
 from viscopoint.promise import promise
 from viscopoint.sources import digest
 from viscopoint.wording import one_line
@@ -83,6 +83,7 @@ def _opened(parent: Path) -> Path:
     if not os.path.lexists(folder):
         _forget_unused(folder.parent)
         _make(folder)
+        _check_way(folder.parent)  # somebody may have been faster
     _check_inside(folder)
     with tempfile.TemporaryFile(dir=folder):
         os.utime(folder)  # used today
@@ -126,7 +127,16 @@ def _check(place: Path, status: os.stat_result, owners: tuple[int, ...] = (), mo
 
 
 def _private() -> Path:
-    """Return a new folder that goes with this process; those that it starts use it too."""
+    """Return a new folder that goes with this process; those that it starts use it too.
+
+    Raises:
+        InputError: others could exchange it, even there.
+    """
+    try:
+        _check_way(Path(os.path.realpath(tempfile.gettempdir())))
+    except _UnsafeError as error:
+        told = f"no folder for compiled code is safe: {error}; {VARIABLE} can name one that is yours alone"
+        raise InputError(told) from None
     folder, maker = Path(tempfile.mkdtemp(prefix="viscopoint-")), os.getpid()
 
     def remove() -> None:

@@ -8,6 +8,7 @@ from viscopoint.arrays import Array
 from viscopoint.body import Body
 
 LAST = 6  # the newest format that is older
+UNGUARDED, ANY = ("mass_error", "lost_share", "hourglass_share"), 1e9
 ADDED = ("contact_radius", "hourglass_share", "lost_mass")  # quantities that came after it
 
 
@@ -23,11 +24,11 @@ def quantities(values: dict[str, Any], missing: Any) -> dict[str, Any]:
 
 
 def tables(case: dict[str, Any]) -> dict[str, Any]:
-    """Return the tables of a case in present words."""
-    impact = case.get("impact")
+    """Return the tables of a case in present words, without the guards that there were not."""
+    impact, guards = case.get("impact"), case.get("guards", {})
     if isinstance(impact, dict) and impact.get("wall") == "symmetry":
-        return case | {"impact": impact | {"wall": "no-separation"}}
-    return case
+        case = case | {"impact": impact | {"wall": "no-separation"}}
+    return case | {"guards": dict.fromkeys(UNGUARDED, ANY) | guards} if isinstance(guards, dict) else case
 
 
 def body(today: Body, position: Array) -> Body:

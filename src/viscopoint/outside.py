@@ -43,6 +43,9 @@ def note(operation: Any, subject: type, function: Any) -> None:
     """Take note of an implementation if it is from outside."""
     if is_outside(function):
         found.append(Implementation(operation, subject, function))
+        file = _file(inspect.getmodule(function))
+        if file:
+            _content(file)  # as it is loaded: who edits it later still runs this
 
 
 def takes_part(types: Iterable[Any]) -> bool:
@@ -72,8 +75,14 @@ def hashed(classes: Iterable[type]) -> str:
     roots = {inspect.getmodule(code) for code in (*classes, *used) if is_outside(code)}
     if not roots:
         return ""
-    parts = [hashlib.sha256(file.read_bytes()).hexdigest() if file else UNKNOWN for file in _files(roots)]
+    parts = [_content(file) if file else UNKNOWN for file in _files(roots)]
     return hashlib.sha256("".join(sorted(parts)).encode()).hexdigest()[:16]
+
+
+@functools.cache
+def _content(file: Path) -> str:
+    """Return a hash of a file as it was when this process first saw it."""
+    return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 def _of_a_law(one: Implementation) -> bool:

@@ -13,7 +13,7 @@ import llvmlite.binding
 from numba.core import config
 from numba.core.registry import cpu_target
 
-PACKAGES = ("numpy", "numba", "llvmlite", "pint")  # pint: units of the case become numbers
+PACKAGES = ("numpy", "numba", "llvmlite")
 SETTINGS = (  # of Numba, from its environment variables or its file of settings: they change compiled code
     "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "ENABLE_AVX", "USING_SVML", "BOUNDSCHECK", "DISABLE_JIT",
     "LLVM_REFPRUNE_PASS", "LLVM_REFPRUNE_FLAGS",

@@ -304,7 +304,7 @@ def _check_own(folder: Path) -> None:
 def _warn(texts: Iterable[str]) -> None:
     """Tell whoever called ``run`` or ``resume`` what makes its numbers less than they seem."""
     for text in texts:
-        warnings.warn(one_line(text), ResultWarning, stacklevel=3)
+        warnings.warn(one_line(text), ResultWarning, stacklevel=4)  # of ``run``, ``checked`` and this
 
 
 def _keep_silent(words: str) -> None:

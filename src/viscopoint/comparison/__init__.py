@@ -154,8 +154,8 @@ def wall_force(run: Run, time: float) -> float:
 def _states(runs: Sequence[Run], time: float, area: float) -> tuple[State, ...]:
     text = f"{time!r} ms"
     snapshots = [run.snapshot(text) for run in runs]
-    outlines = [outline.outline(run, snapshot) for run, snapshot in zip(runs, snapshots, strict=True)]
-    speeds = [axis.axial_velocity(run, snapshot) for run, snapshot in zip(runs, snapshots, strict=True)]
+    outlines = [outline.whole(run, snapshot) for run, snapshot in zip(runs, snapshots, strict=True)]
+    speeds = [axis.whole(run, snapshot) for run, snapshot in zip(runs, snapshots, strict=True)]
     return tuple(
         State(
             row=min(run.rows, key=lambda row: abs(row.time - time)),

@@ -14,11 +14,20 @@ SAMPLES = 400  # heights at which two profiles are compared
 
 def axial_velocity(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:
     """Return height [mm] and mean axial velocity [m/s] of the layers' points around the axis, from the foot up."""
-    start = run.body.position
-    beside = np.hypot(start[:, 0], start[:, 1]) < max(CORE * run.case.rod.radius, NEAR * spacing(run.body))
-    _, height, speed = _by_layer(run, snapshot, beside)
+    _, height, speed = _by_layer(run, snapshot, _beside(run))
     order = np.argsort(height)
     return height[order], speed[order]
+
+
+def whole(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:
+    """Return the same, or nothing if points around the axis are lost."""
+    return (np.empty(0), np.empty(0)) if snapshot["lost"][_beside(run)].any() else axial_velocity(run, snapshot)
+
+
+def _beside(run: Run) -> NDArray[np.bool_]:
+    """Return which points are around the axis."""
+    start = run.body.position
+    return np.hypot(start[:, 0], start[:, 1]) < max(CORE * run.case.rod.radius, NEAR * spacing(run.body))
 
 
 def layer_velocity(run: Run, snapshot: Snapshot) -> tuple[Array, Array]:

@@ -35,6 +35,13 @@ def outline(run: Run, snapshot: Snapshot) -> Array:
     return np.vstack([[0.0, side[0, 1]], side, [0.0, side[-1, 1]]]) if len(side) else np.empty((0, 2))
 
 
+def whole(run: Run, snapshot: Snapshot) -> Array:
+    """Return the outline, or none if points that show it are lost."""
+    surface = run.body.surface
+    shown = np.concatenate([surface.ring[surface.ring >= 0], surface.tail.ravel(), surface.foot.ravel()])
+    return np.empty((0, 2)) if snapshot["lost"][shown].any() else outline(run, snapshot)
+
+
 def apart(one: Array, other: Array, area: float) -> Apart:
     """Return the difference of two outlines of a rod of half section ``area`` [mm^2]; not-a-number if one is empty."""
     if not (len(one) and len(other)):

@@ -31,7 +31,9 @@ SELDOM = ("hourglass", "eroded", "friction")  # left out where they are zero
 NOTE = (
     "In brackets the difference from the first run, per cent: of its value; for velocities of the impact speed; for "
     "energies of the initial kinetic energy. The wall force is a mean over 0.5 us; outlines are told apart by the area "
-    "between them over that of the rod, and by the greatest distance; velocity along the axis by the root mean square."
+    "between them over that of the rod, and by the greatest distance; velocity along the axis by the root mean square. "
+    "The contact radius is that of what is on the wall or, off it, lowest: known to a layer of elements or half a "
+    "spacing of points."
 )
 
 
@@ -80,9 +82,9 @@ def _lines(comparison: Comparison, states: tuple[State, ...]) -> Iterator[Line]:
             yield words, unit, _cells(values, digits, bases[base] if base in bases else values[0])
     forces = [state.wall_force for state in states]
     yield "wall force", "N", _cells(forces, 1, forces[0])
-    yield "outline, area between", "%", ["", *(f"{100.0 * state.apart.area:.2f}" for state in others)]
-    yield "outline, distance", "mm", ["", *(f"{state.apart.distance:.3f}" for state in others)]
-    yield "velocity along the axis", "m/s", ["", *(f"{state.axial_velocity:.2f}" for state in others)]
+    yield "outline, area between", "%", ["", *(_known(100.0 * state.apart.area, 2) for state in others)]
+    yield "outline, distance", "mm", ["", *(_known(state.apart.distance, 3) for state in others)]
+    yield "velocity along the axis", "m/s", ["", *(_known(state.axial_velocity, 2) for state in others)]
 
 
 def _cells(values: list[float], digits: int, base: float) -> list[str]:
@@ -93,5 +95,9 @@ def _cells(values: list[float], digits: int, base: float) -> list[str]:
         part = 100.0 * (value - first) / abs(base) if base else math.nan
         return f" ({part:+.2f})" if math.isfinite(part) else ""
 
-    shown = [f"{value:.{digits}f}" if math.isfinite(value) else "-" for value in values]
+    shown = [_known(value, digits) for value in values]
     return [shown[0], *(words + share(value) for words, value in zip(shown[1:], others, strict=True))]
+
+
+def _known(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if math.isfinite(value) else "-"

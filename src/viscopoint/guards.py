@@ -7,6 +7,8 @@ from viscopoint.inputs import Guards
 from viscopoint.ledger import MEASURED, Row
 from viscopoint.method import Method, Totals
 
+ROUNDING = 1e-9  # of sums of masses: all that there is is no more than 100 %
+
 
 class GuardError(ViscopointError):
     """A guard stopped the run; what was computed so far is kept."""
@@ -32,7 +34,7 @@ def check_row(row: Row, start: Totals, limits: Guards, method: Method) -> None:
             f"(guards.energy_error allows {100 * limits.energy_error:g} %)",
             cause,
         )
-    if max(row.lost_mass / start.mass, row.eroded / initial) > limits.lost_share:
+    if max(row.lost_mass / start.mass, row.eroded / initial) > limits.lost_share * (1.0 + ROUNDING):
         stored = f" and {100 * row.eroded / initial:.2g} % of the initial energy" if row.eroded else ""
         allowed = f" (guards.lost_share allows {100 * limits.lost_share:g} %)"
         raise _stopped(row.time, lost_in_words(row, start.mass, method) + stored + allowed, method.advice.lost)

@@ -15,7 +15,7 @@ from viscopoint.terminal import print_summary
 REBOUND = {
     "method.geometry": "axisymmetric", "method.spacing": "0.76 mm", "method.cell": "1.52 mm",
     "method.shape": "gimp", "method.contact": "gated", "method.fill": "trimmed",
-    "impact.speed": "20 m/s", "time.snapshots": [], "guards.energy_error": 1.0,
+    "impact.speed": "50 m/s", "time.snapshots": [], "guards.energy_error": 1.0,
 }  # fmt: skip
 NARROW = {"method.box": {"x": ["-5 mm", "5 mm"], "y": ["-5 mm", "5 mm"], "z": ["-0.01 mm", "27 mm"]}}
 
@@ -27,13 +27,13 @@ def rebound(**changes: object) -> vp.Case:
 
 
 def test_a_rod_that_rebounds_stays_in_the_box_that_a_case_does_not_give():
-    run = vp.run(rebound(**{"time.end": "4 ms"}), figures=False)
+    run = vp.run(rebound(**{"time.end": "1 ms"}), figures=False)
     end = run.rows[-1]
     assert (run.status, end.lost) == ("complete", 0)
     # it flew farther than the two lengths that the box once had, and is as long as it was but for its vibration,
-    # less than speed over that of the bar wave, 3 %
+    # at most speed over that of the bar wave, 8 %
     assert end.lowest_point > 25.4
-    assert end.length == pytest.approx(25.4, rel=0.03)
+    assert end.length == pytest.approx(25.4, rel=0.08)
 
 
 def test_a_rod_that_leaves_its_box_stops_the_run():

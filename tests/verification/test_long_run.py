@@ -15,6 +15,7 @@ ROD = {
     "impact.speed": "1 m/s",
     "method.geometry": "axisymmetric",
     "material.decay": "6.5 1/ms",
+    "output.history_interval": "0 us",
 }
 BOX = {"x": ["-8 mm", "8 mm"], "y": ["-8 mm", "8 mm"], "z": ["-0.01 mm", "300 mm"]}  # for the flight after the rebound
 SIZES = {

@@ -53,4 +53,4 @@ $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/python
 
 $(LOWEST)/.installed: pyproject.toml .ci/lowest.py | $(LOWEST)/bin/python
 	@$(LOWEST)/bin/python .ci/lowest.py > $(LOWEST)/constraints.txt
-	$(call install,$(LOWEST),[mesh],pytest hypothesis -c $(LOWEST)/constraints.txt)
+	$(call install,$(LOWEST),[mesh],pytest hypothesis scipy -c $(LOWEST)/constraints.txt)

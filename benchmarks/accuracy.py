@@ -124,7 +124,7 @@ def run_all() -> None:
 
 def seconds(key: str, spacing: float) -> float:
     """Return the processor time that a step takes on one thread (median of several stretches of some steps) [s]."""
-    from viscopoint.model import build
+    from viscopoint.model.build import build
 
     method = build(case("paper", VARIANTS[key], spacing)).method
     stretches = []

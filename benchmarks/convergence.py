@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 import viscopoint as vp
-from viscopoint.ledger import Row
+from viscopoint.model.energy_balance import Row
 
 FOLDER = Path("runs", "convergence")
 ELEMENTS = ("one-point", "selective")

@@ -17,11 +17,11 @@ from convergence import table
 from viscopoint.bench.timing import started
 from viscopoint.bench.traffic import arrays_of, bytes_held, bytes_per_step
 from viscopoint.bench.work import HEADLINE, PAPER_LAW, Variant, Work, case_of, passes_of
-from viscopoint.case import Case
-from viscopoint.ledger import Row
-from viscopoint.method import Method
-from viscopoint.model import build
-from viscopoint.simulation import Outcome, Simulation
+from viscopoint.case.case import Case
+from viscopoint.model.build import build
+from viscopoint.model.energy_balance import Row
+from viscopoint.model.method import Method
+from viscopoint.model.simulation import Outcome, Simulation
 
 CASES = ("paper", "paper-65", "paper-6.5", "paper-elastic")
 METHODS = ("mpm", "tlmpm", "fem")

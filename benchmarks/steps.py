@@ -18,8 +18,8 @@ import numba
 import numpy as np
 
 from viscopoint.bench.timing import pace, started
-from viscopoint.case import Case
-from viscopoint.method import Method
+from viscopoint.case.case import Case
+from viscopoint.model.method import Method
 
 PAPER = "mpm, trilinear, flip, musl"
 SHAPES = ("trilinear", "gimp", "cpgimp", "quadratic", "cubic")

@@ -22,12 +22,12 @@ import test_schemes
 import test_tlmpm_manufactured
 from columns import DENSITY, LENGTH, Array, viscoelastic
 
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.transfers import Transfer
-from viscopoint.mpm.transfers.apic import Apic
-from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.mpm.transfers.tpic import Tpic
-from viscopoint.tlmpm.volumes import VOLUMES
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.transfers import Transfer
+from viscopoint.methods.mpm.transfers.apic import Apic
+from viscopoint.methods.mpm.transfers.flip import Flip
+from viscopoint.methods.mpm.transfers.tpic import Tpic
+from viscopoint.methods.tlmpm.volumes import VOLUMES
 
 ORDER = ("trilinear", "gimp", "cpgimp", "quadratic", "cubic")
 TRANSFERS: dict[str, Transfer] = {

@@ -7,9 +7,9 @@ import numpy as np
 from convergence import table
 
 import viscopoint as vp
-from viscopoint.ledger import Row
-from viscopoint.model import build
-from viscopoint.simulation import Simulation
+from viscopoint.model.build import build
+from viscopoint.model.energy_balance import Row
+from viscopoint.model.simulation import Simulation
 
 PAPER = {
     "law": "linear-viscoelastic", "density": "1 g/cm^3", "bulk": "550 MPa", "shear_short": "140 MPa",

@@ -12,12 +12,12 @@ import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from viscopoint.case import Case, packaged
+    from viscopoint.case.case import Case, packaged
     from viscopoint.comparison import Comparison, compare
     from viscopoint.errors import CaseError, InputError, OutputError, ResultWarning, ViscopointError, ViscopointWarning
     from viscopoint.reproduction import Reproduction, reproduce
-    from viscopoint.results import Run, Snapshot
-    from viscopoint.running import resume, run
+    from viscopoint.results.run import Run, Snapshot
+    from viscopoint.results.running import resume, run
 
 # A thread that waits for the others spins some ten microseconds, then sleeps. By default GNU OpenMP spins for about a
 # millisecond: beside another busy program that made a step of 21,172 points on two cores 40 times slower.
@@ -43,8 +43,8 @@ __all__ = [
 ]
 
 _HOME = {
-    "Case": "case",
-    "packaged": "case",
+    "Case": "case.case",
+    "packaged": "case.case",
     "CaseError": "errors",
     "Comparison": "comparison",
     "compare": "comparison",
@@ -55,10 +55,10 @@ _HOME = {
     "ViscopointWarning": "errors",
     "Reproduction": "reproduction",
     "reproduce": "reproduction",
-    "Run": "results",
-    "Snapshot": "results",
-    "resume": "running",
-    "run": "running",
+    "Run": "results.run",
+    "Snapshot": "results.run",
+    "resume": "results.running",
+    "run": "results.running",
 }
 
 

@@ -1,5 +1,5 @@
 """``python -m viscopoint``."""
 
-from viscopoint.cli import main
+from viscopoint.command_line.cli import main
 
 main()

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
 from viscopoint.errors import InputError
-from viscopoint.wording import clipped, one_line
+from viscopoint.messages import clipped, one_line
 
 F = TypeVar("F", bound=Callable[..., Any])
 WORDS = {

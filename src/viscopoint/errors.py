@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from viscopoint.wording import message, one_line
+from viscopoint.messages import message, one_line
 
 LONGEST_WORD = 100  # characters; of a longer one, nobody means one of ours
 MOST_FAULTS = 100  # of a case that a message tells; a file made to have more would take long to explain

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from viscopoint.errors import InputError
-from viscopoint.wording import unseen
+from viscopoint.messages import unseen
 
 HANG = 5.0  # seconds an input may take
 STUCK = 60.0  # seconds after which the process is given up: no signal gets through

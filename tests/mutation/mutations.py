@@ -27,164 +27,164 @@ CONTACT = "verification/test_contact_accounts.py"
 MUTATIONS = [
     # --- bulk viscosity ---
     Mutation(
-        "quadratic-viscosity-too-small", "viscosity.py",
+        "quadratic-viscosity-too-small", "model/viscosity.py",
         "- viscosity.quadratic * length * rate", "- 0.8 * viscosity.quadratic * length * rate",
         f"{VISCOSITY} -k 'steady_shock and fem-viscous'",
     ),
     Mutation(
-        "linear-viscosity-too-small", "viscosity.py",
+        "linear-viscosity-too-small", "model/viscosity.py",
         "return viscosity.linear * sound - ", "return 0.9 * viscosity.linear * sound - ",
         f"{VISCOSITY} -k 'standing_wave and linear-fem-viscous'",
     ),
     Mutation(
-        "one-point-viscous-work", "fem/elements/one_point.py",
+        "one-point-viscous-work", "methods/fem/elements/one_point.py",
         "trace(strain) * (before * kept(work, VISCOUS", "trace(strain) * (after * kept(work, VISCOUS",
         f"{VISCOSITY} -k 'viscous_loss and fem-viscous'",
     ),
     Mutation(
-        "selective-viscous-work", "fem/elements/selective.py",
+        "selective-viscous-work", "methods/fem/elements/selective.py",
         "resisted = before * kept(work, VISCOUS", "resisted = after * kept(work, VISCOUS",
         f"{VISCOSITY} -k 'viscous_loss and fem-selective'",
     ),
     Mutation(
-        "one-point-ring-viscous-work", "fem/elements/ring_one_point.py",
+        "one-point-ring-viscous-work", "methods/fem/elements/ring_one_point.py",
         "(before * viscous[e] + after * pressure)", "(after * viscous[e] + after * pressure)",
         f"{VISCOSITY} -k 'viscous_loss and rings-viscous'",
     ),
     Mutation(
-        "selective-ring-viscous-work", "fem/elements/ring_selective.py",
+        "selective-ring-viscous-work", "methods/fem/elements/ring_selective.py",
         "(before * viscous[e] + after * pressure)", "(after * viscous[e] + after * pressure)",
         f"{VISCOSITY} -k 'viscous_loss and rings-selective'",
     ),
     Mutation(
-        "points-viscous-work", "mpm/stress.py",
+        "points-viscous-work", "methods/mpm/stress.py",
         "resisted = before * kept(work, VISCOUS", "resisted = 0.9 * before * kept(work, VISCOUS",
         f"{VISCOSITY} -k 'standing_wave and linear-mpm-local'",
     ),
     Mutation(
-        "points-viscosity-sees-another-length", "mpm/stress.py",
+        "points-viscosity-sees-another-length", "methods/mpm/stress.py",
         "law.density / after, cell, here", "law.density / after, 0.9 * cell, here",
         f"{VISCOSITY} -k 'standing_wave and quadratic-mpm-local'",
     ),
     Mutation(
-        "reference-points-viscous-work-at-the-end", "tlmpm/stress.py",
+        "reference-points-viscous-work-at-the-end", "methods/tlmpm/stress.py",
         "resisted = 0.5 * kept(work, MID_JACOBIAN, i, 0.0)", "resisted = 0.5 * kept(work, AFTER, i, 0.0)",
         f"{VISCOSITY} -k 'viscous_loss and tlmpm'",
     ),
     Mutation(
-        "cell-mean-rate-of-the-undeformed-volume", "tlmpm/volumes.py",
+        "cell-mean-rate-of-the-undeformed-volume", "methods/tlmpm/volumes.py",
         "swept / middle", "swept / whole",
         f"{VISCOSITY} -k 'volume_that_the_law_sees and tlmpm'",
     ),
     # --- laws ---
     Mutation(
-        "sudden-modulus-without-the-spring", "laws/linear_viscoelastic.py",
+        "sudden-modulus-without-the-spring", "materials/linear_viscoelastic.py",
         "4 * (self.shear_long + self.shear_arm) / 3", "4 * self.shear_arm / 3",
         f"{SOUND} -k 'modulus'",
     ),
     Mutation(
-        "dashpot-loss", "laws/linear_viscoelastic.py",
+        "dashpot-loss", "materials/linear_viscoelastic.py",
         "start, x * gain * gain,", "start, 0.99 * x * gain * gain,",
         ENERGY,
     ),
     Mutation(
-        "return-without-hardening", "laws/plastic.py",
+        "return-without-hardening", "materials/plastic.py",
         "excess / (3.0 * shear_over_step(base, factors) + law.hardening)",
         "excess / (3.0 * shear_over_step(base, factors))",
         "verification/test_material_plasticity.py",
     ),
     Mutation(
-        "elastic-shear-energy", "laws/elastic.py",
+        "elastic-shear-energy", "materials/elastic.py",
         "return 0.25 / law.shear", "return 0.24 / law.shear",
         ENERGY,
     ),
     Mutation(
-        "hypoelastic-work", "laws/__init__.py",
+        "hypoelastic-work", "materials/__init__.py",
         "return -0.5 * growth * (shear_energy", "return -0.45 * growth * (shear_energy",
         ENERGY,
     ),
     # --- kinematics ---
     Mutation(
-        "strain-does-not-follow-the-rotation", "kinematics.py",
+        "strain-does-not-follow-the-rotation", "model/kinematics.py",
         "return strain + spun(strain, x, y, z), cayley(x, y, z)", "return strain, cayley(x, y, z)",
         ROTATION,
     ),
     Mutation(
-        "rotation-too-small", "kinematics.py",
+        "rotation-too-small", "model/kinematics.py",
         "scale = 2.0 / (1.0 + x * x + y * y + z * z)", "scale = 1.99 / (1.0 + x * x + y * y + z * z)",
         ROTATION,
     ),
     # --- elements ---
     Mutation(
-        "hourglass-damper-too-weak", "fem/hourglass.py",
+        "hourglass-damper-too-weak", "methods/fem/hourglass.py",
         "scaled(-16.0 * control.coefficient", "scaled(-15.0 * control.coefficient",
         f"{PATCH} -k 'viscous_control'",
     ),
     Mutation(
-        "hourglass-spring-s-work", "fem/hourglass.py",
+        "hourglass-spring-s-work", "methods/fem/hourglass.py",
         "scaled(0.5, change)", "scaled(0.4, change)",
         f"{PATCH} -k 'work_of_hourglass'",
     ),
     Mutation(
-        "selective-pressure-of-the-undeformed-volume", "fem/elements/selective.py",
+        "selective-pressure-of-the-undeformed-volume", "methods/fem/elements/selective.py",
         "(work, MEAN, i, 0.0) / now - pressure", "(work, MEAN, i, 0.0) / kept(work, REFERENCE, i, 0.0) - pressure",
         f"{VISCOSITY} -k 'accounts and fem-selective'",
     ),
     Mutation(
-        "ring-without-all-of-its-hoop", "fem/quadrilateral.py",
+        "ring-without-all-of-its-hoop", "methods/fem/quadrilateral.py",
         "Vec(0.0, full * _area(a, b), 0.0),", "Vec(0.0, 0.99 * full * _area(a, b), 0.0),",
         f"{RINGS} -k 'patch'",
     ),
     Mutation(
-        "ring-corner-mass", "fem/section.py",
+        "ring-corner-mass", "methods/fem/section.py",
         "minlength=len(position)).astype(float)", "minlength=len(position)).mean() * np.ones(len(position))",
         f"{RINGS} -k 'breathes and selective'",
     ),
     Mutation(
-        "nodes-of-equal-mass", "fem/mesh.py",
+        "nodes-of-equal-mass", "methods/fem/mesh.py",
         "minlength=len(position)).astype(float)", "minlength=len(position)).mean() * np.ones(len(position))",
         f"{CONSERVATION} -k 'just_the_energy and selective'",
     ),
     # --- contact ---
     Mutation(
-        "friction-too-small", "wall.py",
+        "friction-too-small", "interactions/planes.py",
         "1.0 + wall.friction * vz / sliding", "1.0 + 0.9 * wall.friction * vz / sliding",
         f"{CONSERVATION} -k 'sliding and selective'",
     ),
     Mutation(
-        "work-of-what-the-wall-stops", "fem/motion.py",
+        "work-of-what-the-wall-stops", "methods/fem/motion.py",
         "0.5 * m * (vz * vz - z0 * z0)", "0.5 * m * (vz * vz - z * z0)",
         f"{CONTACT} -k 'nodes_lose'",
     ),
     Mutation(
-        "foot-let-go-only-by-a-pull", "tlmpm/motion.py",
+        "foot-let-go-only-by-a-pull", "methods/tlmpm/motion.py",
         "if force <= 0.0:", "if force <= 1e-3:",
         f"{SIMILARITY} -k 'tlmpm-local'",
     ),
     Mutation(
-        "mass-handed-up-at-another-speed", "tlmpm/motion.py",
+        "mass-handed-up-at-another-speed", "methods/tlmpm/motion.py",
         "nodes.velocity[other, 2] += m / both * apart", "nodes.velocity[other, 2] += 0.99 * m / both * apart",
         f"{CONTACT} -k 'momentum'",
     ),
     # --- points ---
     Mutation(
-        "force-of-the-undeformed-volume", "mpm/mapping.py",
+        "force-of-the-undeformed-volume", "methods/mpm/mapping.py",
         "size = points.jacobian[p] * points.volume[p]", "size = points.volume[p]",
         "verification/test_mpm_manufactured.py -k 'lags and quadratic'",
     ),
     Mutation(
-        "deviator-of-shared-dilatation", "tlmpm/stress.py",
+        "deviator-of-shared-dilatation", "methods/tlmpm/stress.py",
         "pull = (after / det_now) * deviator(stress)", "pull = deviator(stress)",
         "verification/test_tlmpm_patch.py -k 'do_the_work'",
     ),
     # --- what is measured ---
     Mutation(
-        "ledger-s-remainder", "ledger.py",
+        "ledger-s-remainder", "model/energy_balance.py",
         "numerical=start.energy - now.energy,", "numerical=start.energy - now.energy - now.viscous,",
         "verification/test_tlmpm_soft.py -k 'folds'",
     ),
     Mutation(
-        "length-without-the-lattice-s-overhang", "gauges.py",
+        "length-without-the-lattice-s-overhang", "model/measurements.py",
         "return last + reach * (last - inner)", "return last + 0.9 * reach * (last - inner)",
         "unit/test_body.py -k 'undeformed_rod'",
     ),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import viscopoint as vp
-from viscopoint.verify import verify
+from viscopoint.results.verify import verify
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ import pytest
 
 import viscopoint as vp
 from viscopoint.errors import CaseError
-from viscopoint.model import build
-from viscopoint.simulation import Simulation
+from viscopoint.model.build import build
+from viscopoint.model.simulation import Simulation
 
 ROUND = {"method.geometry": "axisymmetric"}
 

@@ -11,16 +11,16 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 import viscopoint as vp
-from viscopoint.body import Body, Surface, spacing
 from viscopoint.comparison.axis import axial_velocity
-from viscopoint.fem.forms import quality
-from viscopoint.fem.section import point_volumes, section_elements, section_mesh
 from viscopoint.figures import faces, halves, shapes
-from viscopoint.gauges import measure
-from viscopoint.method import Field
+from viscopoint.figures.revolve import surface_points, turned
+from viscopoint.methods.fem.forms import quality
+from viscopoint.methods.fem.section import point_volumes, section_elements, section_mesh
+from viscopoint.model.body import Body, Surface, spacing
+from viscopoint.model.measurements import measure
+from viscopoint.model.method import Field
 from viscopoint.report.scene import scene_of
-from viscopoint.results import Snapshot
-from viscopoint.revolution import surface_points, turned
+from viscopoint.results.run import Snapshot
 
 RINGS = {"method.geometry": "axisymmetric", "method.size": "0.76 mm", "time.end": "2 us", "time.snapshots": ["1 us"]}
 RADIUS, LENGTH = 3.8, 25.4  # mm, of the paper's rod

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from viscopoint.arrays import Rows
 from viscopoint.bench import Plan, compare, measure, planned
 from viscopoint.bench.memory import measured_growth
 from viscopoint.bench.record import Record, Spread, read, write
@@ -15,11 +14,12 @@ from viscopoint.bench.timing import started
 from viscopoint.bench.traffic import PASSES, arrays_of, bytes_held, bytes_per_step
 from viscopoint.bench.triad import bandwidths, triad, triads
 from viscopoint.bench.work import MATERIALS, PAPER_LAW, VARIANTS, Work, case_of, passes_of, selection
-from viscopoint.case import Case
-from viscopoint.cli import app
-from viscopoint.method import Method
-from viscopoint.model import build
-from viscopoint.terminal import progress
+from viscopoint.case.case import Case
+from viscopoint.command_line.cli import app
+from viscopoint.command_line.terminal import progress
+from viscopoint.kernels.arrays import Rows
+from viscopoint.model.build import build
+from viscopoint.model.method import Method
 
 TINY = [Work(*variant, PAPER_LAW, "3k") for variant in VARIANTS]
 # the body at the start, and what only the foot's nodes on the wall ask for

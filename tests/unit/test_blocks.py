@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.arrays import Array
-from viscopoint.case import Case
-from viscopoint.jit import serial_kernel
-from viscopoint.logarithm import log
-from viscopoint.model import build
-from viscopoint.slabs import COLOURS, PARTS, part_of
-from viscopoint.values import pick
-from viscopoint.workspace import BLOCK, columns, keep, kept, workspace
+from viscopoint.case.case import Case
+from viscopoint.kernels.arrays import Array
+from viscopoint.kernels.jit import serial_kernel
+from viscopoint.kernels.logarithm import log
+from viscopoint.kernels.slabs import COLOURS, PARTS, part_of
+from viscopoint.kernels.values import pick
+from viscopoint.kernels.workspace import BLOCK, columns, keep, kept, workspace
+from viscopoint.model.build import build
 
 ROUNDING = np.finfo(float).eps
 FIRST, SECOND, THIRD, HISTORY = columns(1, 3, 1)

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from viscopoint.gauges import measure, profile
-from viscopoint.mpm.fills import Fill
-from viscopoint.mpm.fills.lattice import rod_lattice
-from viscopoint.mpm.fills.rings import rod_rings
-from viscopoint.mpm.fills.trimmed import rod_trimmed
+from viscopoint.methods.mpm.fills import Fill
+from viscopoint.methods.mpm.fills.lattice import rod_lattice
+from viscopoint.methods.mpm.fills.rings import rod_rings
+from viscopoint.methods.mpm.fills.trimmed import rod_trimmed
+from viscopoint.model.measurements import measure, profile
 
 
 def test_the_paper_s_lattice_has_21172_points():

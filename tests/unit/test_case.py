@@ -6,17 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import viscopoint as vp
-from viscopoint.case import changes_of, merged
-from viscopoint.fem.inputs import FEMInput
-from viscopoint.model import build
-from viscopoint.mpm.contacts.gated import Gated
-from viscopoint.mpm.contacts.nodes import Nodes
-from viscopoint.mpm.inputs import BoxInput, MPMInput
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.mpm.shapes.gimp import Gimp
-from viscopoint.mpm.shapes.trilinear import Trilinear
-from viscopoint.mpm.volumes.cell_mean import CellMean
-from viscopoint.mpm.volumes.local import Local
+from viscopoint.case.case import changes_of, merged
+from viscopoint.methods.fem.inputs import FEMInput
+from viscopoint.methods.mpm.contacts.gated import Gated
+from viscopoint.methods.mpm.contacts.nodes import Nodes
+from viscopoint.methods.mpm.inputs import BoxInput, MPMInput
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.methods.mpm.shapes.gimp import Gimp
+from viscopoint.methods.mpm.shapes.trilinear import Trilinear
+from viscopoint.methods.mpm.volumes.cell_mean import CellMean
+from viscopoint.methods.mpm.volumes.local import Local
+from viscopoint.model.build import build
 
 
 def faults(changes: dict[str, object], name: str = "paper") -> dict[str, str]:

@@ -14,11 +14,11 @@ import pytest
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.case import Case
-from viscopoint.cli import app
-from viscopoint.fem.inputs import FEMInput
-from viscopoint.mpm.inputs import MPMInput
-from viscopoint.tlmpm.inputs import TotalLagrangianInput
+from viscopoint.case.case import Case
+from viscopoint.command_line.cli import app
+from viscopoint.methods.fem.inputs import FEMInput
+from viscopoint.methods.mpm.inputs import MPMInput
+from viscopoint.methods.tlmpm.inputs import TotalLagrangianInput
 
 QUICK = [
     "--set",
@@ -340,7 +340,7 @@ def test_memory_that_runs_out_anywhere_gives_code_3(monkeypatch: pytest.MonkeyPa
     def scarce() -> None:
         raise MemoryError("Unable to allocate 9 GiB")
 
-    monkeypatch.setattr("viscopoint.case.packaged", scarce)
+    monkeypatch.setattr("viscopoint.case.case.packaged", scarce)
     code, _, messages = call("cases")
     assert (code, messages) == (3, "viscopoint: memory ran out (Unable to allocate 9 GiB)\n")
 
@@ -349,7 +349,8 @@ def test_memory_that_runs_out_anywhere_gives_code_3(monkeypatch: pytest.MonkeyPa
 def test_a_verification_that_is_interrupted_accuses_nobody(finished: Path, number: signal.Signals):
     code = (
         "import os, signal\n"
-        "from viscopoint import cli, simulation\n"
+        "from viscopoint.command_line import cli\n"
+        "from viscopoint.model import simulation\n"
         "advance = simulation.Simulation._record\n"
         f"simulation.Simulation._record = lambda *words: (os.kill(os.getpid(), {number.value}), advance(*words))[1]\n"
         f"cli.app(['verify', {str(finished)!r}])\n"

@@ -11,7 +11,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.cli import app
+from viscopoint.command_line.cli import app
 from viscopoint.comparison import Comparison, axis, compare, differing, outline, wall_force
 from viscopoint.comparison.table import tables
 

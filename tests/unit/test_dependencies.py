@@ -2,7 +2,8 @@ import re
 import tomllib
 from pathlib import Path
 
-from viscopoint import promise, provenance
+from viscopoint.kernels import promise
+from viscopoint.results import provenance
 
 
 def test_versions_are_recorded_of_packages_that_an_installation_has():

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.cli import app
-from viscopoint.description import description, physics
+from viscopoint.case.description import description, physics
+from viscopoint.command_line.cli import app
 from viscopoint.figures import save_all
 from viscopoint.reproduction.cases import main_cases, printed_cases
 from viscopoint.reproduction.deviations import cases
@@ -54,7 +54,7 @@ def test_the_list_of_cases_tells_them_apart():
     assert len({line.strip() for line in lines[1::2]}) == len(vp.packaged())
     for name, line in zip(sorted(vp.packaged()), lines[1::2], strict=True):
         assert line.strip() == description(vp.Case.load(name))
-    files = [path for path in resources.files("viscopoint.cases").iterdir() if path.name.endswith(".toml")]
+    files = [path for path in resources.files("viscopoint.case.library").iterdir() if path.name.endswith(".toml")]
     assert len(files) == len(vp.packaged())
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import viscopoint as vp
-from viscopoint.verify import compare_bits
+from viscopoint.results.verify import compare_bits
 
 CASE = {"method.spacing": "0.6 mm", "time.end": "6 us", "time.snapshots": ["1 us", "2 us", "3 us", "4 us", "5 us"]}
 
@@ -40,7 +40,7 @@ def disk(tmp_path: Path) -> Iterator[Path]:
 def command(*words: str | Path, limit: int | None = None) -> tuple[int, str]:
     """Run a command, which may write no file larger than ``limit`` [bytes]."""
     limited = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))\n" if limit else ""
-    line = [sys.executable, "-c", f"{limited}from viscopoint.cli import main\nmain()", *map(str, words)]
+    line = [sys.executable, "-c", f"{limited}from viscopoint.command_line.cli import main\nmain()", *map(str, words)]
     done = subprocess.run(line, capture_output=True, text=True, check=False)
     return done.returncode, done.stderr
 

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.cli import app
+from viscopoint.command_line.cli import app
 
 DISTANCE = {"mpm": ("spacing", "cell"), "fem": ("size",), "tlmpm": ("spacing",)}
 

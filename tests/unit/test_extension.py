@@ -35,7 +35,7 @@ def test_the_law_that_contributing_adds_works_as_one_new_file(tmp_path: Path):
     copy = tmp_path / "viscopoint"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
     blocks = re.findall(r"```python\n(.*?)```", CONTRIBUTING.read_text(), re.S)
-    (copy / "laws" / "maxwell.py").write_text(blocks[0])
+    (copy / "materials" / "maxwell.py").write_text(blocks[0])
     added = velocity_after_impact(copy, MAXWELL, tmp_path, {"VISCOPOINT_CACHE": str(tmp_path / "cache")})
     # a standard linear solid without its spring is the same fluid
     known = velocity_after_impact(PACKAGE, NO_SPRING, tmp_path, {})

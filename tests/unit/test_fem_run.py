@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.cli import app
-from viscopoint.fem.hourglass import StiffnessControl
-from viscopoint.fem.inputs import FEMInput
-from viscopoint.fem.mesh import point_volumes
+from viscopoint.command_line.cli import app
 from viscopoint.figures import faces, shapes
-from viscopoint.mpm.inputs import MPMInput
+from viscopoint.methods.fem.hourglass import StiffnessControl
+from viscopoint.methods.fem.inputs import FEMInput
+from viscopoint.methods.fem.mesh import point_volumes
+from viscopoint.methods.mpm.inputs import MPMInput
 
 SHORT = {"method.size": "1.9 mm", "time.end": "2 us", "time.snapshots": ["1 us"]}
 FAST = {"method.size": "1.5 mm", "method.safety": 0.5, "impact.speed": "1000 m/s", "time.snapshots": []}

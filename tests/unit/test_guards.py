@@ -4,10 +4,10 @@ from typing import Any
 import pytest
 
 import viscopoint as vp
-from viscopoint.guards import GuardError, check_row, check_step
-from viscopoint.inputs import Guards
-from viscopoint.ledger import Row
-from viscopoint.method import Advice, Totals
+from viscopoint.case.tables import Guards
+from viscopoint.model.energy_balance import Row
+from viscopoint.model.guards import GuardError, check_row, check_step
+from viscopoint.model.method import Advice, Totals
 
 METHOD: Any = SimpleNamespace(
     advice=Advice._make(["because"] * 6 + ["points lost"]), weakest=lambda: "element 7 is thin"

@@ -10,15 +10,15 @@ from pathlib import Path
 import pytest
 
 import viscopoint as vp
-from viscopoint import kernel_cache
+from viscopoint.kernels import cache as kernel_cache
 
 STRANGER = 12345  # a user id that is neither ours nor root's
 
 KERNEL = """
 import numpy as np
-from viscopoint.laws.elastic import Elastic
-from viscopoint.mpm.stress import sum_points
-from viscopoint.mpm.points import at_rest
+from viscopoint.materials.elastic import Elastic
+from viscopoint.methods.mpm.stress import sum_points
+from viscopoint.methods.mpm.points import at_rest
 points = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
 points.jacobian[:] = 0.9
 sums = np.zeros((64, 9))
@@ -140,7 +140,7 @@ def test_without_any_cache_a_private_one_ends_with_the_process(tmp_path: Path):
     planted = place / f"viscopoint-{os.getuid()}"  # where earlier versions looked
     planted.mkdir(mode=0o777)
     settings = {"HOME": blocked, "XDG_CACHE_HOME": blocked, "VISCOPOINT_CACHE": blocked, "TMPDIR": place}
-    told = "from viscopoint.kernel_cache import cache_folder as f; print(f(), oct(f().stat().st_mode & 0o777))"
+    told = "from viscopoint.kernels.cache import cache_folder as f; print(f(), oct(f().stat().st_mode & 0o777))"
     out, messages = python(KERNEL + told, **settings)
     folder, mode = out.splitlines()[1].split()
     assert Path(folder).parent == place

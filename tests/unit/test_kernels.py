@@ -12,7 +12,8 @@ import pytest
 from numba.core.caching import IndexDataCacheFile
 
 import viscopoint
-from viscopoint import jit, kernel_cache, outside
+from viscopoint.kernels import cache as kernel_cache
+from viscopoint.kernels import jit, outside
 
 PACKAGE = Path(viscopoint.__file__).parent
 
@@ -29,7 +30,7 @@ def stores(function: ast.FunctionDef) -> list[ast.expr]:
 
 
 def test_no_kernel_stores_through_an_attribute():
-    # Numba drops such stores inside prange (see viscopoint.jit.kernel)
+    # Numba drops such stores inside prange (see viscopoint.kernels.jit.kernel)
     functions = [
         node
         for source in PACKAGE.rglob("*.py")
@@ -66,10 +67,10 @@ def run_python(code: str, package: Path, cache: Path) -> list[str]:
 
 LAW_IN_KERNEL = """
 import numpy as np
-from viscopoint.jit import serial_kernel
-from viscopoint.laws.elastic import Elastic
-from viscopoint.mpm.stress import sum_points
-from viscopoint.mpm.points import at_rest
+from viscopoint.kernels.jit import serial_kernel
+from viscopoint.materials.elastic import Elastic
+from viscopoint.methods.mpm.stress import sum_points
+from viscopoint.methods.mpm.points import at_rest
 points = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
 points.jacobian[:] = 0.9
 sums = np.zeros((64, 9))
@@ -85,7 +86,7 @@ def test_an_edited_law_is_never_run_stale_and_a_warm_start_compiles_nothing(tmp_
     assert hits == "0"
     warm, hits = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
     assert (warm, hits) == (cold, "1")
-    law = copy / "laws" / "__init__.py"
+    law = copy / "materials" / "__init__.py"
     law.write_text(law.read_text().replace("return bulk * (", "return 2.0 * bulk * ("))
     edited, _ = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
     assert float(edited) == 2.0 * float(cold)
@@ -93,8 +94,8 @@ def test_an_edited_law_is_never_run_stale_and_a_warm_start_compiles_nothing(tmp_
 
 STEPS_OF_ALL = """
 import hashlib
-from viscopoint.case import Case
-from viscopoint.model import build
+from viscopoint.case.case import Case
+from viscopoint.model.build import build
 for name in ("mpm", "tlmpm", "fem"):
     method = build(Case.load("paper", method=name)).method
     for _ in range(40):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import viscopoint as vp
-from viscopoint.model import build
+from viscopoint.model.build import build
 
 ROD = 1e-3 * math.pi * 3.8**2 * 25.4  # g, of the paper
 LATTICE = {"method.fill": "lattice", "method.cell": "2.6 mm", "time.end": "1 us", "time.snapshots": []}

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 
 import viscopoint as vp
-from viscopoint import memory
-from viscopoint.memory import Need
-from viscopoint.model import build
-from viscopoint.mpm import grid
-from viscopoint.verify import compare_bits
+from viscopoint.methods.mpm import grid
+from viscopoint.model import memory
+from viscopoint.model.build import build
+from viscopoint.model.memory import Need
+from viscopoint.results.verify import compare_bits
 
 GIB = 2**30
 FLAT = {"method.geometry": "axisymmetric"}
@@ -43,7 +43,7 @@ def test_what_fits_into_no_machine_is_refused(method: str, changes: dict[str, An
 def test_a_limit_of_the_process_is_what_counts(method: str, key: str, tmp_path: Path):
     limited = f"import resource; resource.setrlimit(resource.RLIMIT_AS, (2 * {GIB}, 2 * {GIB}))"
     words = ["run", "paper", "--method", method, "--set", f"method.{key}=0.06 mm", "--out", "run"]
-    script = f"{limited}\nfrom viscopoint.cli import app\napp({words})"
+    script = f"{limited}\nfrom viscopoint.command_line.cli import app\napp({words})"
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
     told = " ".join(done.stderr.split())
     assert done.returncode == 2, told
@@ -55,7 +55,7 @@ def test_a_limit_of_the_process_is_what_counts(method: str, key: str, tmp_path: 
 def test_elements_of_a_file_are_counted_when_they_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     import pyvista
 
-    from viscopoint.fem.rod import rod_mesh
+    from viscopoint.methods.fem.rod import rod_mesh
 
     rod = rod_mesh(3.8, 25.4, 1.2)
     pyvista.UnstructuredGrid({pyvista.CellType.HEXAHEDRON: rod.cells}, rod.position).save(tmp_path / "rod.vtu")
@@ -68,7 +68,7 @@ def test_elements_of_a_file_are_counted_when_they_are_read(tmp_path: Path, monke
 def test_memory_that_is_gone_in_spite_of_the_estimate_is_told_in_the_same_words(monkeypatch: pytest.MonkeyPatch):
     case = vp.Case.load("paper", {"method.spacing": "0.72 mm", "method.cell": "1 mm"})
     monkeypatch.setattr(memory, "free", lambda: 1e12)
-    monkeypatch.setattr("viscopoint.mpm.method.lattice", _no_memory)
+    monkeypatch.setattr("viscopoint.methods.mpm.method.lattice", _no_memory)
     with pytest.raises(vp.InputError, match=r"method\.spacing: 0\.72 mm gives .* points: there was no memory left"):
         build(case)
 

@@ -9,9 +9,9 @@ from typer.testing import CliRunner
 from vtkmodules.vtkIOExodus import vtkExodusIIWriter
 
 import viscopoint as vp
-from viscopoint.cli import app
-from viscopoint.fem.reading import read_rod
-from viscopoint.fem.rod import rod_mesh
+from viscopoint.command_line.cli import app
+from viscopoint.methods.fem.reading import read_rod
+from viscopoint.methods.fem.rod import rod_mesh
 
 RADIUS, LENGTH, SIZE = 3.8, 25.4, 1.9  # mm; of the paper's rod, and of few elements
 SHORT = {"time.end": "2 us", "time.snapshots": ["1 us"]}

@@ -7,12 +7,12 @@ from pathlib import Path
 
 LAW = """
 from typing import Literal, NamedTuple
-from viscopoint.inputs import Material
-from viscopoint.jit import implements
-from viscopoint.laws import shear_energy, step_factors, stored_energy, update_stress
-from viscopoint.logarithm import log
-from viscopoint.tensors import deviator, rotated, spherical
-from viscopoint.units import Density, PositiveModulus
+from viscopoint.case.tables import Material
+from viscopoint.kernels.jit import implements
+from viscopoint.materials import shear_energy, step_factors, stored_energy, update_stress
+from viscopoint.kernels.logarithm import log
+from viscopoint.kernels.tensors import deviator, rotated, spherical
+from viscopoint.case.units import Density, PositiveModulus
 from numbers_of_law import FACTOR
 
 class Mine(NamedTuple):
@@ -46,9 +46,9 @@ def shear(law, stress, history): return 0.0
 
 SUMS = """
 import numpy as np
-from viscopoint.laws.elastic import Elastic
-from viscopoint.mpm.stress import sum_points
-from viscopoint.mpm.points import at_rest
+from viscopoint.materials.elastic import Elastic
+from viscopoint.methods.mpm.stress import sum_points
+from viscopoint.methods.mpm.points import at_rest
 points = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
 points.jacobian[:] = 0.9
 sums = np.zeros((64, 9))
@@ -86,9 +86,9 @@ def test_an_edited_law_from_outside_is_not_run_stale_and_others_never_see_it(tmp
 
 
 REPLACED = """
-from viscopoint.jit import implements
-from viscopoint.laws import stored_energy
-from viscopoint.laws.elastic import Elastic
+from viscopoint.kernels.jit import implements
+from viscopoint.materials import stored_energy
+from viscopoint.materials.elastic import Elastic
 
 @implements(stored_energy, Elastic)
 def energy(law, jacobian, stress, history): return 7.0
@@ -140,14 +140,14 @@ def test_a_run_is_not_resumed_with_an_edited_law_from_outside(tmp_path: Path):
 
 def test_a_law_that_is_not_used_does_not_count(tmp_path: Path):
     write_law(tmp_path, 1.0)
-    code = "import viscopoint as vp\nfrom viscopoint.sources import digest, sources_of\n"
+    code = "import viscopoint as vp\nfrom viscopoint.kernels.sources import digest, sources_of\n"
     code += "print(sources_of(vp.Case.load('paper')) == digest())"
     assert python("import law_of_mine\n" + code, tmp_path).strip() == "True"
 
 
 def test_a_law_that_is_in_no_file_counts_as_another_in_each_process(tmp_path: Path):
     write_law(tmp_path, 1.0)
-    code = f"{LAW}\nimport viscopoint as vp\nfrom viscopoint.sources import sources_of\n"
+    code = f"{LAW}\nimport viscopoint as vp\nfrom viscopoint.kernels.sources import sources_of\n"
     code += "material = {'law': 'mine', 'density': '1 g/cm^3', 'bulk': '550 MPa'}\n"
     code += "print(sources_of(vp.Case.load('paper').with_(material=material)))"
     assert len({python(code, tmp_path) for _ in range(2)}) == 2

@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint import threads
-from viscopoint.cli import app
+from viscopoint.command_line.cli import app
+from viscopoint.kernels import threads
 
 MOST = numba.get_num_threads()
 LONG_ENOUGH = 120.0  # s
@@ -21,8 +21,8 @@ LONG_ENOUGH = 120.0  # s
 FORKED = """
 import multiprocessing
 import viscopoint as vp
-from viscopoint.model import build
-from viscopoint.simulation import Simulation
+from viscopoint.model.build import build
+from viscopoint.model.simulation import Simulation
 small = {"method.spacing": "0.6 mm", "time.end": "1 us", "time.snapshots": []}
 case = vp.Case.load("paper", small, method="tlmpm")
 vp.run(case, figures=False)

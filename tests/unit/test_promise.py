@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.cli import app
-from viscopoint.promise import KEYS, differences, promise
+from viscopoint.command_line.cli import app
+from viscopoint.kernels.promise import KEYS, differences, promise
 
 
 def rewritten(folder: Path, **changes: Any) -> None:

@@ -18,14 +18,14 @@ import pytest
 import pyvista
 
 import viscopoint as vp
-from viscopoint import checkpoint, running
-from viscopoint.checkpoint import Every
-from viscopoint.fem.rod import rod_mesh
-from viscopoint.folder import alone
-from viscopoint.ledger import Row
-from viscopoint.model import build
-from viscopoint.output import fields as field_file
-from viscopoint.verify import compare_bits
+from viscopoint.methods.fem.rod import rod_mesh
+from viscopoint.model.build import build
+from viscopoint.model.energy_balance import Row
+from viscopoint.results import checkpoint, running
+from viscopoint.results.checkpoint import Every
+from viscopoint.results.folder import alone
+from viscopoint.results.output import fields as field_file
+from viscopoint.results.verify import compare_bits
 
 MPM = {"method.cell": "1 mm", "method.spacing": "0.72 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
 FEM = {"method.size": "1.2 mm", "time.end": "4 us", "time.snapshots": ["1 us", "3 us"]}
@@ -373,7 +373,7 @@ def test_of_two_that_make_one_folder_the_later_takes_it_and_the_other_is_told(
             vp.run(case_of("fem"), folder, force=True, figures=False)
         return alone(folder, made)
 
-    monkeypatch.setattr("viscopoint.running.alone", late)
+    monkeypatch.setattr("viscopoint.results.running.alone", late)
     with pytest.raises(vp.InputError, match="another process is at work there"):
         vp.run(case_of("tlmpm"), tmp_path / "run", figures=False)
     assert_same(vp.run(case_of("fem"), figures=False), vp.Run(tmp_path / "run"))
@@ -389,7 +389,7 @@ def test_resuming_looks_at_a_run_once_nobody_else_works_on_it(tmp_path: Path, mo
             vp.resume(folder, figures=False)
         return alone(folder, made)
 
-    monkeypatch.setattr("viscopoint.running.alone", late)
+    monkeypatch.setattr("viscopoint.results.running.alone", late)
     assert len(vp.resume(tmp_path / "run", figures=False).provenance["resumed"]) == 1
 
 

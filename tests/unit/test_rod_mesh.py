@@ -3,11 +3,11 @@ import math
 import numpy as np
 import pytest
 
-from viscopoint.body import Body
-from viscopoint.fem.forms import quality
-from viscopoint.fem.mesh import jacobians, outer_faces, slabs
-from viscopoint.fem.rod import heights, rod_elements, rod_mesh
-from viscopoint.gauges import measure, profile
+from viscopoint.methods.fem.forms import quality
+from viscopoint.methods.fem.mesh import jacobians, outer_faces, slabs
+from viscopoint.methods.fem.rod import heights, rod_elements, rod_mesh
+from viscopoint.model.body import Body
+from viscopoint.model.measurements import measure, profile
 
 RADIUS, LENGTH = 3.8, 12.7  # mm; half the paper's rod
 FINENESS = [1.0, 1.3, 1.7, 2.0, 2.5, 3.1, 4.0, 5.0, 6.3, 8.0, 10.0, 12.7, 16.0, 20.0]  # radius over size

@@ -8,8 +8,8 @@ import pytest
 import pyvista
 
 import viscopoint as vp
-from viscopoint.output import fields as field_file
-from viscopoint.verify import compare_bits
+from viscopoint.results.output import fields as field_file
+from viscopoint.results.verify import compare_bits
 
 
 def test_snapshots_are_hit_exactly(finished: Path):

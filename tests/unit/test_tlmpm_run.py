@@ -5,10 +5,10 @@ import pytest
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.cli import app
+from viscopoint.command_line.cli import app
 from viscopoint.comparison import compare
+from viscopoint.methods.tlmpm.inputs import TotalLagrangianInput
 from viscopoint.report.scene import scene_of
-from viscopoint.tlmpm.inputs import TotalLagrangianInput
 
 SHORT = {"method.spacing": "0.95 mm", "method.cell": "1.9 mm", "time.end": "2 us", "time.snapshots": ["1 us"]}
 

@@ -10,9 +10,9 @@ from pydantic import TypeAdapter, ValidationError
 from scipy import constants
 
 import viscopoint as vp
-from viscopoint import units
-from viscopoint.unit_names import UNITS
-from viscopoint.units import parse
+from viscopoint.case import units
+from viscopoint.case.unit_names import UNITS
+from viscopoint.case.units import parse
 
 
 @pytest.mark.parametrize(

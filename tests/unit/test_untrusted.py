@@ -20,16 +20,16 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.case import changes_of
-from viscopoint.cli import app
+from viscopoint.case.case import changes_of
+from viscopoint.command_line.cli import app
 from viscopoint.comparison import Comparison
 from viscopoint.errors import CaseError
-from viscopoint.fem import reading
-from viscopoint.fem.rod import layers, rod_mesh
-from viscopoint.output import Mark
-from viscopoint.output.fields import Fields, check_of
-from viscopoint.untrusted import contents, table, toml
-from viscopoint.wording import one_line, unseen
+from viscopoint.messages import one_line, unseen
+from viscopoint.methods.fem import reading
+from viscopoint.methods.fem.rod import layers, rod_mesh
+from viscopoint.results.output import Mark
+from viscopoint.results.output.fields import Fields, check_of
+from viscopoint.results.safe_read import contents, table, toml
 
 ESCAPES = "\x1b[2J\x1b]0;owned\x07"
 SECONDS = 5.0  # that any refusal may take
@@ -318,7 +318,7 @@ def test_fields_are_not_set_back_to_snapshots_that_they_have_not(received: Path)
 
 
 def test_a_snapshot_that_does_not_fit_into_memory_is_refused(received: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("viscopoint.memory.free", lambda: 1000.0)
+    monkeypatch.setattr("viscopoint.model.memory.free", lambda: 1000.0)
     with pytest.raises(vp.InputError, match=r"the snapshot takes .* GiB, there are 9\.31e-07"):
         vp.Run(received).snapshot(-1)
 

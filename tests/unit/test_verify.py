@@ -8,8 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.cli import app
-from viscopoint.verify import _difference, verify
+from viscopoint.command_line.cli import app
+from viscopoint.results.verify import _difference, verify
 
 
 def test_a_run_verified_has_the_same_bits(finished: Path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscopoint as vp
-from viscopoint.ledger import Row
+from viscopoint.model.energy_balance import Row
 
 CASES = ("paper-6.5", "paper-65", "paper", "paper-elastic")
 ELEMENTS = ("one-point", "selective")

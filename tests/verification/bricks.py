@@ -16,19 +16,19 @@ from columns import COURANT, LENGTH, viscoelastic
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from viscopoint.arrays import Real
-from viscopoint.body import Body, Surface
-from viscopoint.fem.elements import Element
-from viscopoint.fem.elements.one_point import OnePoint
-from viscopoint.fem.elements.selective import Selective
-from viscopoint.fem.forms import quality
-from viscopoint.fem.hourglass import StiffnessControl, ViscousControl
-from viscopoint.fem.mesh import node_volumes, stable_lengths
-from viscopoint.fem.method import Discretisation, FiniteElementMethod
-from viscopoint.laws import step_factors
-from viscopoint.method import Totals
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.arrays import Real
+from viscopoint.materials import step_factors
+from viscopoint.methods.fem.elements import Element
+from viscopoint.methods.fem.elements.one_point import OnePoint
+from viscopoint.methods.fem.elements.selective import Selective
+from viscopoint.methods.fem.forms import quality
+from viscopoint.methods.fem.hourglass import StiffnessControl, ViscousControl
+from viscopoint.methods.fem.mesh import node_volumes, stable_lengths
+from viscopoint.methods.fem.method import Discretisation, FiniteElementMethod
+from viscopoint.model.body import Body, Surface
+from viscopoint.model.method import Totals
+from viscopoint.model.viscosity import BulkViscosity
 
 Array = NDArray[np.float64]
 Boundaries = tuple[RigidWall | Symmetry, ...]

@@ -16,22 +16,22 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from viscopoint.arrays import PRECISIONS, Real
-from viscopoint.body import Body, Surface
-from viscopoint.laws.elastic import Elastic
-from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
-from viscopoint.method import Method
-from viscopoint.mpm.contacts import CONTACTS
-from viscopoint.mpm.fills.lattice import rod_lattice
-from viscopoint.mpm.grid import Box
-from viscopoint.mpm.method import Discretisation, MaterialPointMethod
-from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.transfers import Transfer
-from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.mpm.volumes import VOLUMES
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.arrays import PRECISIONS, Real
+from viscopoint.materials.elastic import Elastic
+from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
+from viscopoint.methods.mpm.contacts import CONTACTS
+from viscopoint.methods.mpm.fills.lattice import rod_lattice
+from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
+from viscopoint.methods.mpm.schemes import SCHEMES
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.transfers import Transfer
+from viscopoint.methods.mpm.transfers.flip import Flip
+from viscopoint.methods.mpm.volumes import VOLUMES
+from viscopoint.model.body import Body, Surface
+from viscopoint.model.method import Method
+from viscopoint.model.viscosity import BulkViscosity
 
 Array = NDArray[np.float64]
 DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG, LENGTH = 1e-3, 550.0, 140.0, 5.0, 25.4  # g/mm^3, MPa, mm

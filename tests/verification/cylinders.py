@@ -15,19 +15,19 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import j0, j1
 
-from viscopoint.body import Body
-from viscopoint.mpm.contacts import CONTACTS
-from viscopoint.mpm.fills.meridian import boxes
-from viscopoint.mpm.grid import Box, HalfPlane
-from viscopoint.mpm.method import Discretisation, MaterialPointMethod
-from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.transfers import TRANSFERS
-from viscopoint.mpm.volumes import VOLUMES
-from viscopoint.tlmpm.lattice import HalfLattice
-from viscopoint.tlmpm.method import TotalLagrangianMethod
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.methods.mpm.contacts import CONTACTS
+from viscopoint.methods.mpm.fills.meridian import boxes
+from viscopoint.methods.mpm.grid import Box, HalfPlane
+from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
+from viscopoint.methods.mpm.schemes import SCHEMES
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.transfers import TRANSFERS
+from viscopoint.methods.mpm.volumes import VOLUMES
+from viscopoint.methods.tlmpm.lattice import HalfLattice
+from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
+from viscopoint.model.body import Body
+from viscopoint.model.viscosity import BulkViscosity
 
 Array = NDArray[np.float64]
 Boundaries = tuple[RigidWall | Symmetry, ...]

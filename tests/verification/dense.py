@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from columns import Array
 
-from viscopoint.arrays import Indices
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.mpm.shapes import stencil
+from viscopoint.kernels.arrays import Indices
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.methods.mpm.shapes import stencil
 
 
 class Dense(NamedTuple):

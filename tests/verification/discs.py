@@ -10,19 +10,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from columns import Array
 
-from viscopoint.body import Body
-from viscopoint.laws.elastic import Elastic
-from viscopoint.mpm.contacts.nodes import Nodes
-from viscopoint.mpm.fills import FILLS
-from viscopoint.mpm.grid import Box
-from viscopoint.mpm.method import Discretisation, MaterialPointMethod
-from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.transfers import Transfer
-from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.mpm.volumes import VOLUMES
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import Symmetry
+from viscopoint.interactions.planes import Symmetry
+from viscopoint.materials.elastic import Elastic
+from viscopoint.methods.mpm.contacts.nodes import Nodes
+from viscopoint.methods.mpm.fills import FILLS
+from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
+from viscopoint.methods.mpm.schemes import SCHEMES
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.transfers import Transfer
+from viscopoint.methods.mpm.transfers.flip import Flip
+from viscopoint.methods.mpm.volumes import VOLUMES
+from viscopoint.model.body import Body
+from viscopoint.model.viscosity import BulkViscosity
 
 RADIUS, SPEED = 0.2, 0.1  # mm; mm/ms along each axis
 YOUNG, POISSON, DENSITY = 1000.0, 0.3, 1000.0

@@ -13,9 +13,9 @@ import numba
 import numpy as np
 
 import viscopoint as vp
-from viscopoint.ledger import Row
-from viscopoint.model import build
-from viscopoint.simulation import Simulation
+from viscopoint.model.build import build
+from viscopoint.model.energy_balance import Row
+from viscopoint.model.simulation import Simulation
 
 DENSITY, SHEAR, SHEAR_LONG = 1.0, 145.0, 5.0  # g/cm^3, MPa: about those of the paper
 TRANSITS = 4.0  # of sound along the rod: the wave comes back twice

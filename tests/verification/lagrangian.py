@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 from columns import COURANT, LENGTH, Array, block, viscoelastic
 
-from viscopoint.arrays import Real
-from viscopoint.body import Body
-from viscopoint.method import Totals
-from viscopoint.mpm.fills import FILLS
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.tlmpm.filling import watched
-from viscopoint.tlmpm.lattice import Lattice
-from viscopoint.tlmpm.method import Discretisation, TotalLagrangianMethod
-from viscopoint.tlmpm.volumes import VOLUMES
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.arrays import Real
+from viscopoint.methods.mpm.fills import FILLS
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.tlmpm.filling import watched
+from viscopoint.methods.tlmpm.lattice import Lattice
+from viscopoint.methods.tlmpm.method import Discretisation, TotalLagrangianMethod
+from viscopoint.methods.tlmpm.volumes import VOLUMES
+from viscopoint.model.body import Body
+from viscopoint.model.method import Totals
+from viscopoint.model.viscosity import BulkViscosity
 
 DISPERSION = (1 - COURANT**2) / 24
 ELASTIC = viscoelastic(0.0)  # an arm that never relaxes: the same kernels serve all tests

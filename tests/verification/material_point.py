@@ -5,12 +5,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from viscopoint.kinematics import increments
-from viscopoint.laws import update_stress
-from viscopoint.laws.elastic import Elastic
-from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
-from viscopoint.laws.plastic import ElasticPlastic, ViscoelasticPlastic
-from viscopoint.tensors import Matrix, Sym
+from viscopoint.kernels.tensors import Matrix, Sym
+from viscopoint.materials import update_stress
+from viscopoint.materials.elastic import Elastic
+from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
+from viscopoint.materials.plastic import ElasticPlastic, ViscoelasticPlastic
+from viscopoint.model.kinematics import increments
 
 STILL = Matrix(1, 0, 0, 0, 1, 0, 0, 0, 1)
 ELASTIC = Elastic(density=1e-3, bulk=550.0, shear=140.0)

@@ -7,14 +7,14 @@ import pytest
 from bricks import ELASTIC, Array, Boundaries
 from numpy.typing import NDArray
 
-from viscopoint.body import Body
-from viscopoint.fem.elements import Element
-from viscopoint.fem.elements.ring_one_point import RingOnePoint
-from viscopoint.fem.elements.ring_selective import RingSelective
-from viscopoint.fem.hourglass import StiffnessControl, ViscousControl
-from viscopoint.fem.method import Discretisation, FiniteElementMethod
-from viscopoint.fem.section import node_volumes, section_mesh
-from viscopoint.viscosity import BulkViscosity
+from viscopoint.methods.fem.elements import Element
+from viscopoint.methods.fem.elements.ring_one_point import RingOnePoint
+from viscopoint.methods.fem.elements.ring_selective import RingSelective
+from viscopoint.methods.fem.hourglass import StiffnessControl, ViscousControl
+from viscopoint.methods.fem.method import Discretisation, FiniteElementMethod
+from viscopoint.methods.fem.section import node_volumes, section_mesh
+from viscopoint.model.body import Body
+from viscopoint.model.viscosity import BulkViscosity
 
 ELEMENTS = {
     "viscous": RingOnePoint(ViscousControl()),

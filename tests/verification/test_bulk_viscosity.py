@@ -14,11 +14,11 @@ from material_point import orders
 from numpy.testing import assert_allclose
 from shocks import Shock
 
-from viscopoint.fem import hexahedron, quadrilateral
-from viscopoint.method import Method
-from viscopoint.mpm.volumes import VOLUMES as MPM_VOLUMES
-from viscopoint.tlmpm.volumes import VOLUMES
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.methods.fem import hexahedron, quadrilateral
+from viscopoint.methods.mpm.volumes import VOLUMES as MPM_VOLUMES
+from viscopoint.methods.tlmpm.volumes import VOLUMES
+from viscopoint.model.method import Method
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 MODULUS = ELASTIC.bulk + 4 / 3 * ELASTIC.shear

@@ -22,16 +22,16 @@ from columns import (
 )
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.arrays import Real
-from viscopoint.method import Totals
-from viscopoint.mpm.fills.lattice import rod_lattice
-from viscopoint.mpm.grid import Box
-from viscopoint.mpm.method import Discretisation, MaterialPointMethod
-from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.arrays import Real
+from viscopoint.methods.mpm.fills.lattice import rod_lattice
+from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
+from viscopoint.methods.mpm.schemes import SCHEMES
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.transfers.flip import Flip
+from viscopoint.model.method import Totals
+from viscopoint.model.viscosity import BulkViscosity
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 # The plain "usl" takes strain from nodes that hardly any mass is on (MUSL was made to cure that), and does not survive

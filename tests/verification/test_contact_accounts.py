@@ -10,10 +10,10 @@ from columns import ELASTIC, Array, one_thread  # noqa: F401
 from lagrangian import ROUNDING, steps
 from numpy.testing import assert_allclose
 
-from viscopoint.fem.motion import set_off
-from viscopoint.fem.state import CHUNKS
-from viscopoint.tlmpm import motion
-from viscopoint.wall import TALLY, RigidWall
+from viscopoint.interactions.planes import TALLY, RigidWall
+from viscopoint.methods.fem.motion import set_off
+from viscopoint.methods.fem.state import CHUNKS
+from viscopoint.methods.tlmpm import motion
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 WALL, DT = RigidWall(0.0, 0.0), 1e-4

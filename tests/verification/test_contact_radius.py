@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import viscopoint as vp
-from viscopoint.body import EXACT, Body
-from viscopoint.fem.rod import rod_mesh
-from viscopoint.fem.section import section_mesh
-from viscopoint.gauges import measure
-from viscopoint.mpm.fills.meridian import half_rings
+from viscopoint.methods.fem.rod import rod_mesh
+from viscopoint.methods.fem.section import section_mesh
+from viscopoint.methods.mpm.fills.meridian import half_rings
+from viscopoint.model.body import EXACT, Body
+from viscopoint.model.measurements import measure
 
 RADIUS, LENGTH, SIZE = 3.8, 19.0, 0.38
 NEAR = EXACT * RADIUS

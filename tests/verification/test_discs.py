@@ -12,13 +12,13 @@ from columns import Array, one_thread  # noqa: F401
 from discs import CLOSING, END, GAP, LAW, RADIUS, SPEED, TOUCH, collide, discs, halves, rebound
 from numpy.testing import assert_allclose
 
-from viscopoint.fem.rod import rod_mesh
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.mpm.shapes import along, stencil
-from viscopoint.mpm.transfers import Transfer
-from viscopoint.mpm.transfers.apic import Apic
-from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.methods.fem.rod import rod_mesh
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.methods.mpm.shapes import along, stencil
+from viscopoint.methods.mpm.transfers import Transfer
+from viscopoint.methods.mpm.transfers.apic import Apic
+from viscopoint.methods.mpm.transfers.flip import Flip
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps

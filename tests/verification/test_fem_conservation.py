@@ -26,12 +26,12 @@ from columns import LENGTH, advance, one_thread, order, viscoelastic  # noqa: F4
 from fronts import HALF
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.arrays import Real
-from viscopoint.body import Body
-from viscopoint.fem.elements import Element
-from viscopoint.fem.method import FiniteElementMethod
-from viscopoint.fem.rod import rod_mesh
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.arrays import Real
+from viscopoint.methods.fem.elements import Element
+from viscopoint.methods.fem.method import FiniteElementMethod
+from viscopoint.methods.fem.rod import rod_mesh
+from viscopoint.model.body import Body
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 RELAXING = viscoelastic(65.0)

@@ -9,13 +9,13 @@ from columns import COURANT, DENSITY, LENGTH, one_thread  # noqa: F401
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import root_scalar
 
-from viscopoint.body import Body
-from viscopoint.fem.elements import Element
-from viscopoint.fem.method import Discretisation, FiniteElementMethod
-from viscopoint.fem.rod import rod_mesh
-from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import Symmetry
+from viscopoint.interactions.planes import Symmetry
+from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
+from viscopoint.methods.fem.elements import Element
+from viscopoint.methods.fem.method import Discretisation, FiniteElementMethod
+from viscopoint.methods.fem.rod import rod_mesh
+from viscopoint.model.body import Body
+from viscopoint.model.viscosity import BulkViscosity
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SHEAR, THICK, SPAN = 100.0, 1.0, 6.0  # MPa, mm, mm

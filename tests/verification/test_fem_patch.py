@@ -25,15 +25,15 @@ from material_point import at_rest, moved, square
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from viscopoint.body import Body
-from viscopoint.fem.elements import Element
-from viscopoint.fem.elements.one_point import OnePoint
-from viscopoint.fem.hexahedron import ETA, XI, ZETA, Modes, corner_forces, modes, volume, volume_gradient
-from viscopoint.fem.hourglass import StiffnessControl, ViscousControl
-from viscopoint.fem.mesh import FACES
-from viscopoint.fem.method import FiniteElementMethod
-from viscopoint.laws import step_factors
-from viscopoint.tensors import Vec
+from viscopoint.kernels.tensors import Vec
+from viscopoint.materials import step_factors
+from viscopoint.methods.fem.elements import Element
+from viscopoint.methods.fem.elements.one_point import OnePoint
+from viscopoint.methods.fem.hexahedron import ETA, XI, ZETA, Modes, corner_forces, modes, volume, volume_gradient
+from viscopoint.methods.fem.hourglass import StiffnessControl, ViscousControl
+from viscopoint.methods.fem.mesh import FACES
+from viscopoint.methods.fem.method import FiniteElementMethod
+from viscopoint.model.body import Body
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 RELAXING = viscoelastic(65.0)

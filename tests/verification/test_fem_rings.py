@@ -17,12 +17,12 @@ from rings import ELEMENTS, each_element, fem, outside, section
 from scipy.optimize import root_scalar
 from scipy.special import j0, j1
 
-from viscopoint.body import Body
-from viscopoint.fem.elements import Element
-from viscopoint.fem.section import section_mesh
-from viscopoint.laws import step_factors
-from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.materials import step_factors
+from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
+from viscopoint.methods.fem.elements import Element
+from viscopoint.methods.fem.section import section_mesh
+from viscopoint.model.body import Body
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 RELAXING = viscoelastic(65.0)

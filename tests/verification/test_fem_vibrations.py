@@ -32,8 +32,8 @@ from columns import (
 from laplace import StandardSolid
 from numpy.testing import assert_allclose
 
-from viscopoint.fem.method import FiniteElementMethod
-from viscopoint.wall import Symmetry
+from viscopoint.interactions.planes import Symmetry
+from viscopoint.methods.fem.method import FiniteElementMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 MODULI = (DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG)

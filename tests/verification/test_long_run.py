@@ -7,7 +7,7 @@ import psutil
 import pytest
 
 import viscopoint as vp
-from viscopoint.ledger import Row
+from viscopoint.model.energy_balance import Row
 
 STEPS = 200_000
 ROD = {

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import viscopoint as vp
-from viscopoint.gauges import Gauges, measure
-from viscopoint.mpm.fills.lattice import rod_lattice
-from viscopoint.terminal import print_summary
+from viscopoint.command_line.terminal import print_summary
+from viscopoint.methods.mpm.fills.lattice import rod_lattice
+from viscopoint.model.measurements import Gauges, measure
 
 REBOUND = {
     "method.geometry": "axisymmetric", "method.spacing": "0.76 mm", "method.cell": "1.52 mm",

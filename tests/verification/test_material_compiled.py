@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from material_point import LAWS, matrix, square
 
-from viscopoint.jit import OPTIONS
-from viscopoint.kinematics import increments
-from viscopoint.laws import step_factors, stored_energy, update_stress
-from viscopoint.tensors import Sym
+from viscopoint.kernels.jit import OPTIONS
+from viscopoint.kernels.tensors import Sym
+from viscopoint.materials import step_factors, stored_energy, update_stress
+from viscopoint.model.kinematics import increments
 
 MOTIONS = [matrix(a) for a in 0.05 * np.random.default_rng(5).uniform(-1, 1, (30, 3, 3))]
 

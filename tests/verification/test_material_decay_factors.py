@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from viscopoint.laws.linear_viscoelastic import mean_decay, mean_square_gain
+from viscopoint.materials.linear_viscoelastic import mean_decay, mean_square_gain
 
 # mean_square_gain changes from series to closed form at 1/2
 SAMPLES = [*np.logspace(-12, 6, 721), *np.linspace(0.3, 0.8, 101), np.nextafter(0.5, 0), 0.5, np.nextafter(0.5, 1)]

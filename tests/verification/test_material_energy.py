@@ -6,9 +6,9 @@ from material_point import ELASTIC, LAWS, PAPER, State, at_rest, deviatoric, ord
 from mpmath import mp, mpf
 from scipy.integrate import quad
 
-from viscopoint.laws import hypoelastic_work, step_factors, stored_energy
-from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
-from viscopoint.tensors import Sym, components, contract, deviator
+from viscopoint.kernels.tensors import Sym, components, contract, deviator
+from viscopoint.materials import hypoelastic_work, step_factors, stored_energy
+from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 
 PATH = [symmetric(deviatoric(square(row))) for row in np.random.default_rng(11).uniform(-0.03, 0.03, (40, 6))]
 

@@ -9,9 +9,9 @@ from hypothesis.extra.numpy import arrays
 from material_point import ELASTIC, PAPER, PLASTIC, POLYMER, State, at_rest, moved, square, strained, symmetric
 from scipy.optimize import brentq
 
-from viscopoint.laws import step_factors, stored_energy
-from viscopoint.laws.plastic import ElasticPlastic, ViscoelasticPlastic
-from viscopoint.tensors import Sym, contract, von_mises
+from viscopoint.kernels.tensors import Sym, contract, von_mises
+from viscopoint.materials import step_factors, stored_energy
+from viscopoint.materials.plastic import ElasticPlastic, ViscoelasticPlastic
 
 K, G, Y, H = PLASTIC.bulk, PLASTIC.shear, PLASTIC.yield_stress, PLASTIC.hardening
 E = 9 * K * G / (3 * K + G)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from material_point import ELASTIC, PAPER, State, at_rest, deviatoric, moved, orders, square, strained
 
-from viscopoint.laws import step_factors, stored_energy
-from viscopoint.laws.linear_viscoelastic import LinearViscoelastic
-from viscopoint.tensors import Sym, contract
+from viscopoint.kernels.tensors import Sym, contract
+from viscopoint.materials import step_factors, stored_energy
+from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 
 G_LONG, G_ARM, BETA = PAPER.shear_long, PAPER.shear_arm, PAPER.decay
 G_SHORT = G_LONG + G_ARM

@@ -9,13 +9,13 @@ from cylinders import RADIUS, ROOT, SOUND, Array, breathing, frequency, j1, ring
 from lagrangian import missing
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.mpm.fills import MERIDIANS
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.support import around, gradient, sampled, spread_with_force
-from viscopoint.mpm.transfers import give_with_force, take
-from viscopoint.tensors import Sym
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.tensors import Sym
+from viscopoint.methods.mpm.fills import MERIDIANS
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.support import around, gradient, sampled, spread_with_force
+from viscopoint.methods.mpm.transfers import give_with_force, take
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps

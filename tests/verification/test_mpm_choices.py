@@ -8,12 +8,12 @@ import pytest
 from columns import ELASTIC, SHEAR_SHORT, advance, one_thread, rod  # noqa: F401
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.mpm.fills import FILLS
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.volumes import VOLUMES
-from viscopoint.wall import RigidWall
+from viscopoint.interactions.planes import RigidWall
+from viscopoint.methods.mpm.fills import FILLS
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.methods.mpm.schemes import SCHEMES
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.volumes import VOLUMES
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 THREADS = numba.get_num_threads()

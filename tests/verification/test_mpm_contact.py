@@ -11,14 +11,14 @@ import pytest
 from columns import CELL, ELASTIC, HEIGHT, Array, advance, block, column, one_thread, order, rod  # noqa: F401
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.body import Body
-from viscopoint.mpm.contacts import CONTACTS
-from viscopoint.mpm.fills.lattice import rod_lattice
-from viscopoint.mpm.grid import Box
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.methods.mpm.contacts import CONTACTS
+from viscopoint.methods.mpm.fills.lattice import rod_lattice
+from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.methods.mpm.schemes import SCHEMES
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.model.body import Body
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 THREADS = numba.get_num_threads()

@@ -10,14 +10,14 @@ from columns import COURANT, ELASTIC, block, one_thread, order  # noqa: F401
 from numpy.testing import assert_allclose
 from test_tlmpm_manufactured import AMPLITUDE, RATE, SIDE, TIME, body_force, displacement
 
-from viscopoint.mpm.grid import Box
-from viscopoint.mpm.method import Discretisation, MaterialPointMethod
-from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.transfers import Transfer
-from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import Symmetry
+from viscopoint.interactions.planes import Symmetry
+from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
+from viscopoint.methods.mpm.schemes import SCHEMES
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.transfers import Transfer
+from viscopoint.methods.mpm.transfers.flip import Flip
+from viscopoint.model.viscosity import BulkViscosity
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SMALL = AMPLITUDE / 3  # mm; strains up to 3 %

@@ -7,21 +7,21 @@ import pytest
 from columns import BOX, CELL, DENSITY, ELASTIC, SHEAR_SHORT, Array, block, one_thread, rod  # noqa: F401
 from numpy.testing import assert_allclose
 
-from viscopoint.arrays import Indices
-from viscopoint.laws.elastic import Elastic
-from viscopoint.mpm.fills.trimmed import rod_trimmed
-from viscopoint.mpm.grid import Box
-from viscopoint.mpm.mapping import scatter_momentum_and_force
-from viscopoint.mpm.method import Discretisation, MaterialPointMethod
-from viscopoint.mpm.points import at_rest
-from viscopoint.mpm.schemes import SCHEMES
-from viscopoint.mpm.shapes import SHAPES, along, stencil
-from viscopoint.mpm.shapes.cpgimp import WIDEST, ContiguousGimp
-from viscopoint.mpm.shapes.gimp import Gimp
-from viscopoint.mpm.shapes.trilinear import LEAST
-from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.viscosity import BulkViscosity
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.arrays import Indices
+from viscopoint.materials.elastic import Elastic
+from viscopoint.methods.mpm.fills.trimmed import rod_trimmed
+from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.mapping import scatter_momentum_and_force
+from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
+from viscopoint.methods.mpm.points import at_rest
+from viscopoint.methods.mpm.schemes import SCHEMES
+from viscopoint.methods.mpm.shapes import SHAPES, along, stencil
+from viscopoint.methods.mpm.shapes.cpgimp import WIDEST, ContiguousGimp
+from viscopoint.methods.mpm.shapes.gimp import Gimp
+from viscopoint.methods.mpm.shapes.trilinear import LEAST
+from viscopoint.methods.mpm.transfers.flip import Flip
+from viscopoint.model.viscosity import BulkViscosity
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps

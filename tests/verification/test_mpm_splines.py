@@ -8,15 +8,15 @@ from columns import COURANT, ELASTIC, LENGTH, Array, column, layers, one_thread,
 from numpy.testing import assert_allclose
 from scipy.interpolate import BSpline
 
-from viscopoint.arrays import Indices
-from viscopoint.mpm.contact import walls_around
-from viscopoint.mpm.points import at_rest
-from viscopoint.mpm.shapes import NOWHERE, SHAPES, along, stencil
-from viscopoint.mpm.shapes.quadratic import Quadratic
-from viscopoint.mpm.transfers import Transfer
-from viscopoint.mpm.transfers.apic import Apic
-from viscopoint.mpm.transfers.flip import Flip
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.arrays import Indices
+from viscopoint.methods.mpm.contact import walls_around
+from viscopoint.methods.mpm.points import at_rest
+from viscopoint.methods.mpm.shapes import NOWHERE, SHAPES, along, stencil
+from viscopoint.methods.mpm.shapes.quadratic import Quadratic
+from viscopoint.methods.mpm.transfers import Transfer
+from viscopoint.methods.mpm.transfers.apic import Apic
+from viscopoint.methods.mpm.transfers.flip import Flip
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps

@@ -7,13 +7,13 @@ import pytest
 from columns import CELL, Array, block, one_thread, rod  # noqa: F401
 from numpy.testing import assert_allclose
 
-from viscopoint.laws.elastic import Elastic
-from viscopoint.mpm.grid import Box
-from viscopoint.mpm.mapping import scatter_momentum_and_force
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.mpm.volumes import VOLUMES, pull
-from viscopoint.tensors import components
+from viscopoint.kernels.tensors import components
+from viscopoint.materials.elastic import Elastic
+from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.mapping import scatter_momentum_and_force
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.mpm.volumes import VOLUMES, pull
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps

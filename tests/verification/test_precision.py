@@ -8,9 +8,9 @@ from columns import one_thread  # noqa: F401
 from numpy.testing import assert_allclose, assert_array_equal
 
 from viscopoint.bench.work import MATERIALS
-from viscopoint.case import Case
-from viscopoint.model import build
-from viscopoint.mpm.shapes import SHAPES
+from viscopoint.case.case import Case
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.model.build import build
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SIZES: dict[str, dict[str, str]] = {

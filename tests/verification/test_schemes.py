@@ -32,9 +32,9 @@ from columns import (
 )
 from numpy.testing import assert_allclose
 
-from viscopoint.method import Totals
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.wall import Symmetry
+from viscopoint.interactions.planes import Symmetry
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.model.method import Totals
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SPEED = 1e-4  # mm/ms: strains of 1e-7, what is not linear is of that size

@@ -15,8 +15,8 @@ import rings
 from columns import ELASTIC, one_thread  # noqa: F401
 from numpy.testing import assert_allclose
 
-from viscopoint.mpm.grid import Box
-from viscopoint.wall import RigidWall
+from viscopoint.interactions.planes import RigidWall
+from viscopoint.methods.mpm.grid import Box
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SMALL = 2.0**-10  # a micrometre for a millimetre: forces of micronewtons

@@ -11,8 +11,8 @@ from columns import BULK, DENSITY, SHEAR_SHORT, one_thread, viscoelastic  # noqa
 from material_point import LAWS, at_rest, strained
 from numpy.testing import assert_allclose
 
-from viscopoint.laws import step_factors
-from viscopoint.tensors import Sym
+from viscopoint.kernels.tensors import Sym
+from viscopoint.materials import step_factors
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SUDDEN = BULK + 4 / 3 * SHEAR_SHORT

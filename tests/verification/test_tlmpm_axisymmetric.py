@@ -21,9 +21,9 @@ from cylinders import (
 from lagrangian import EPS, ON_WALL, ROUNDING, column, each_volume, levels, missing, moved, steps
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.tlmpm.filling import rod_meridian
-from viscopoint.tlmpm.method import TotalLagrangianMethod
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.methods.tlmpm.filling import rod_meridian
+from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 RELAXING = viscoelastic(65.0)

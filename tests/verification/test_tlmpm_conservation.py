@@ -27,10 +27,10 @@ from lagrangian import (
 )
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.arrays import Real
-from viscopoint.mpm.fills import FILLS
-from viscopoint.tlmpm.method import TotalLagrangianMethod
-from viscopoint.wall import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.kernels.arrays import Real
+from viscopoint.methods.mpm.fills import FILLS
+from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 RELAXING = viscoelastic(65.0)

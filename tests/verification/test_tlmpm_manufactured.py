@@ -12,7 +12,7 @@ from columns import BULK, DENSITY, SHEAR_SHORT, Array, one_thread, order  # noqa
 from lagrangian import ELASTIC, brick, each_volume
 from numpy.testing import assert_allclose
 
-from viscopoint.wall import Symmetry
+from viscopoint.interactions.planes import Symmetry
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SIDE, AMPLITUDE = 4.0, 0.12  # mm; strains up to π A / L, 9 % along each axis

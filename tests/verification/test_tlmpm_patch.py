@@ -7,10 +7,10 @@ from lagrangian import ELASTIC, EPS, Array, brick, each_volume, lagrangian, leve
 from material_point import orders
 from numpy.testing import assert_allclose
 
-from viscopoint.mpm.fills import FILLS
-from viscopoint.mpm.fills.trimmed import rod_trimmed
-from viscopoint.tensors import COMPONENTS
-from viscopoint.tlmpm.method import TotalLagrangianMethod
+from viscopoint.kernels.tensors import COMPONENTS
+from viscopoint.methods.mpm.fills import FILLS
+from viscopoint.methods.mpm.fills.trimmed import rod_trimmed
+from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 each_fill = pytest.mark.parametrize("fill", sorted(FILLS))

@@ -25,8 +25,8 @@ from fronts import HALF, errors
 from lagrangian import DISPERSION, Array, column, each_volume, levels, upward
 from numpy.testing import assert_allclose
 
-from viscopoint.tlmpm.method import TotalLagrangianMethod
-from viscopoint.wall import Symmetry
+from viscopoint.interactions.planes import Symmetry
+from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 MODULI = (DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG)

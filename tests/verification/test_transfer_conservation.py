@@ -9,13 +9,13 @@ from columns import Array, one_thread, rod  # noqa: F401
 from numpy.testing import assert_allclose, assert_array_equal
 
 import viscopoint as vp
-from viscopoint.model import build
-from viscopoint.mpm.fills.rings import rod_rings
-from viscopoint.mpm.grid import Box
-from viscopoint.mpm.method import MaterialPointMethod
-from viscopoint.mpm.transfers.apic import Apic
-from viscopoint.mpm.transfers.tpic import Tpic
-from viscopoint.wall import RigidWall
+from viscopoint.interactions.planes import RigidWall
+from viscopoint.methods.mpm.fills.rings import rod_rings
+from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.method import MaterialPointMethod
+from viscopoint.methods.mpm.transfers.apic import Apic
+from viscopoint.methods.mpm.transfers.tpic import Tpic
+from viscopoint.model.build import build
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 THREADS = numba.get_num_threads()

@@ -25,9 +25,9 @@ from fronts import HALF, errors, width
 from numpy.testing import assert_allclose
 from test_column import MODULI, SPEED
 
-from viscopoint.mpm.transfers import Transfer
-from viscopoint.mpm.transfers.apic import Apic
-from viscopoint.mpm.transfers.flip import Flip
+from viscopoint.methods.mpm.transfers import Transfer
+from viscopoint.methods.mpm.transfers.apic import Apic
+from viscopoint.methods.mpm.transfers.flip import Flip
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 LEAPFROG = COURANT**2 / 24

@@ -18,7 +18,7 @@ from viscopoint.bench.traffic import bytes_held, bytes_per_step
 from viscopoint.bench.triad import bandwidths, triads
 from viscopoint.bench.work import EXTENTS, GROWTH_SIZE, Work, case_of, passes_of, selection
 from viscopoint.errors import InputError, nearest
-from viscopoint.provenance import now
+from viscopoint.results.provenance import now
 
 REPEATS, QUICK_REPEATS = 7, 3
 USUAL_EXTENT, QUICK_EXTENT = "medium", "small"

@@ -6,8 +6,8 @@ from typing import Any
 
 import numba
 
-from viscopoint import memory
-from viscopoint.provenance import provenance
+from viscopoint.model import memory
+from viscopoint.results.provenance import provenance
 
 OF_A_RUN = ("format", "threads", "command", "started", "ended")  # of provenance: not of the machine
 CACHES = Path("/sys/devices/system/cpu/cpu0/cache")

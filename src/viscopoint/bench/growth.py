@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from viscopoint.bench.work import SIZES, Work, case_of
-from viscopoint.model import build
+from viscopoint.model.build import build
 
 STEPS = 3
 

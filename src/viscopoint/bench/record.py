@@ -8,7 +8,7 @@ from typing import Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from viscopoint.errors import InputError, OutputError
-from viscopoint.folder import write_text
+from viscopoint.results.folder import write_text
 
 FORMAT = 1
 LARGEST_FILE = 10_000_000  # bytes

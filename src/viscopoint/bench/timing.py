@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numba
 
-from viscopoint.case import Case
-from viscopoint.method import Method
-from viscopoint.model import build
+from viscopoint.case.case import Case
+from viscopoint.model.build import build
+from viscopoint.model.method import Method
 
 START = 40  # steps into the impact before the clock starts
 BLOCK, FEWEST = 400_000, 3  # steps of a part in a block; steps of all parts at least

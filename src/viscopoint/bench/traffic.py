@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from viscopoint.arrays import Rows
+from viscopoint.kernels.arrays import Rows
 
 
 class Pass(NamedTuple):

@@ -7,11 +7,11 @@ import numba
 import numpy as np
 from numba import prange
 
-from viscopoint import memory
-from viscopoint.arrays import Array
 from viscopoint.bench.facts import last_cache
 from viscopoint.bench.record import Spread, Triad
-from viscopoint.jit import kernel
+from viscopoint.kernels.arrays import Array
+from viscopoint.kernels.jit import kernel
+from viscopoint.model import memory
 
 CACHES = 4  # last-level caches to an array, as STREAM asks
 LEAST_BYTES = 64_000_000  # of an array

@@ -5,10 +5,10 @@ from itertools import product
 from typing import Any, NamedTuple
 
 from viscopoint.bench.traffic import PASSES, Pass
-from viscopoint.case import Case
-from viscopoint.fem.elements import ELEMENTS
-from viscopoint.mpm.shapes import SHAPES
-from viscopoint.tlmpm.inputs import NODAL
+from viscopoint.case.case import Case
+from viscopoint.methods.fem.elements import ELEMENTS
+from viscopoint.methods.mpm.shapes import SHAPES
+from viscopoint.methods.tlmpm.inputs import NODAL
 
 
 class Size(NamedTuple):

@@ -9,15 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscopoint.arguments import checked
-from viscopoint.body import in_half_plane
+from viscopoint.case.description import description
 from viscopoint.comparison import axis, outline
 from viscopoint.comparison.outline import Apart
-from viscopoint.description import description
 from viscopoint.errors import InputError
-from viscopoint.folder import FIGURES, SUMMARY, create, disk_faults, write_json
-from viscopoint.ledger import UNITS, Row
-from viscopoint.results import NEAR, Run
-from viscopoint.wording import one_line
+from viscopoint.messages import one_line
+from viscopoint.model.body import in_half_plane
+from viscopoint.model.energy_balance import UNITS, Row
+from viscopoint.results.folder import FIGURES, SUMMARY, create, disk_faults, write_json
+from viscopoint.results.run import NEAR, Run
 
 PHYSICS = ("rod", "impact", "material")  # tables of a case that say what happens; the others say how it is computed
 WINDOW = 0.5e-3  # ms over which the wall force is averaged: on a grid it comes in blows

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array
-from viscopoint.body import spacing
-from viscopoint.results import Run, Snapshot
+from viscopoint.kernels.arrays import Array
+from viscopoint.model.body import spacing
+from viscopoint.results.run import Run, Snapshot
 
 CORE = 0.25  # radii from the axis: what is averaged, so that it matters little where a method has its points
 NEAR = 0.75  # spacings from the axis, if that is more; on a lattice the nearest four points of a layer stand at 0.71

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from viscopoint.case.description import physics
 from viscopoint.comparison import WINDOW, Comparison
 from viscopoint.comparison.axis import axial_velocity
 from viscopoint.comparison.outline import outline
-from viscopoint.description import physics
 from viscopoint.figures import save_all
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # told apart by any eye
 DASHES = ("-", "--", "-.", ":")

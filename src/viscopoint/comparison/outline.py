@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from viscopoint.arrays import Array
-from viscopoint.results import Run, Snapshot
+from viscopoint.kernels.arrays import Array
+from viscopoint.results.run import Run, Snapshot
 
 DENSE = 0.05  # share of an outline's edge after which the distance is measured again
 

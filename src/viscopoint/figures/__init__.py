@@ -12,12 +12,12 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
-from viscopoint.description import description
+from viscopoint.case.description import description
 from viscopoint.discovery import import_all
-from viscopoint.folder import whole
+from viscopoint.results.folder import whole
 
 if TYPE_CHECKING:
-    from viscopoint.results import Run
+    from viscopoint.results.run import Run
 
 T = TypeVar("T")
 

@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 
-from viscopoint.arrays import Array, Indices
-from viscopoint.body import spacing
 from viscopoint.figures import COLOURS
-from viscopoint.results import Run, Snapshot
+from viscopoint.kernels.arrays import Array, Indices
+from viscopoint.model.body import spacing
+from viscopoint.results.run import Run, Snapshot
 
 COVER = 1.5  # width of a point's disc in spacings
 MOST = 20_000  # discs in one picture; more would be smaller than its pixels

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from viscopoint.figures import offer
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 TERMS = {
     "kinetic": "kinetic",

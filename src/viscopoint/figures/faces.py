@@ -11,11 +11,11 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array, Indices
-from viscopoint.body import in_half_plane
-from viscopoint.fem.mesh import outer_faces
 from viscopoint.figures import COLOURS, discs
-from viscopoint.results import Run, Snapshot
+from viscopoint.kernels.arrays import Array, Indices
+from viscopoint.methods.fem.mesh import outer_faces
+from viscopoint.model.body import in_half_plane
+from viscopoint.results.run import Run, Snapshot
 
 ON_CUT = 1e-9  # of the rod's width: an element whose centre is this close to the cut stays
 FINEST = 0.08  # mean width of a face over the rod's radius at which edges are still drawn; they would hide the colours

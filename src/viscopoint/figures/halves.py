@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import Normalize
 
-from viscopoint.arrays import Array, Indices
 from viscopoint.figures import discs, faces
-from viscopoint.method import Field
-from viscopoint.results import Run, Snapshot
-from viscopoint.revolution import NONE, Revolved, halves, mantle, surface_points, turned
+from viscopoint.figures.revolve import NONE, Revolved, halves, mantle, surface_points, turned
+from viscopoint.kernels.arrays import Array, Indices
+from viscopoint.model.method import Field
+from viscopoint.results.run import Run, Snapshot
 
 
 def outside(run: Run, snapshot: Snapshot) -> tuple[Snapshot, Indices]:

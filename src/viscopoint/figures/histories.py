@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from viscopoint.arrays import Array
 from viscopoint.figures import offer
-from viscopoint.results import Run
+from viscopoint.kernels.arrays import Array
+from viscopoint.results.run import Run
 
 PANELS = (
     (("length",), "length (mm)"),

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from viscopoint.figures import COLOURS, chosen, offer
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 
 @offer("profiles")

@@ -7,10 +7,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from viscopoint.arrays import Array
-from viscopoint.body import in_half_plane
 from viscopoint.figures import COLOURS, chosen, discs, faces, halves, offer
-from viscopoint.results import Run, Snapshot
+from viscopoint.kernels.arrays import Array
+from viscopoint.model.body import in_half_plane
+from viscopoint.results.run import Run, Snapshot
 
 TILT = np.radians(15.0)  # the camera looks down on the rod by this angle
 SEEN = ("position", "velocity", "lost", "deleted")  # the fields that pictures take

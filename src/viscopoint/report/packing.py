@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array, Indices
+from viscopoint.kernels.arrays import Array, Indices
 
 MISSING = 65_535
 BYTES_PER_VALUE = 2 * 4 / 3  # in base64

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from viscopoint.errors import OutputError
-from viscopoint.folder import write_text
+from viscopoint.messages import one_line
 from viscopoint.report.scene import Scene
-from viscopoint.wording import one_line
+from viscopoint.results.folder import write_text
 
 LIMIT = 15_000_000  # bytes of a page: more cannot be mailed, and opens slowly
 WITHIN_SCRIPT = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}  # JSON's own

@@ -5,12 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscopoint.arrays import Array, Indices
-from viscopoint.body import Body, in_half_plane, spacing
-from viscopoint.fem.mesh import outer_faces
-from viscopoint.method import Field
-from viscopoint.results import Snapshot
-from viscopoint.revolution import AROUND, outer_edges, surface_points, swept, turns
+from viscopoint.figures.revolve import AROUND, outer_edges, surface_points, swept, turns
+from viscopoint.kernels.arrays import Array, Indices
+from viscopoint.methods.fem.mesh import outer_faces
+from viscopoint.model.body import Body, in_half_plane, spacing
+from viscopoint.model.method import Field
+from viscopoint.results.run import Snapshot
 
 
 class Skin(NamedTuple):

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from viscopoint.arguments import checked
-from viscopoint.case import Case
+from viscopoint.case.case import Case
 from viscopoint.errors import InputError, nearest
-from viscopoint.folder import alone, disk_faults, make, whole, write_json
 from viscopoint.reproduction import agreement, decoding, deviations
 from viscopoint.reproduction.agreement import Agreement
 from viscopoint.reproduction.cases import RESOLUTIONS, main_cases, printed_cases
@@ -21,7 +20,8 @@ from viscopoint.reproduction.deviations import Deviation
 from viscopoint.reproduction.figures import FIGURES, save
 from viscopoint.reproduction.pool import Pool, Watch
 from viscopoint.reproduction.statements import STATEMENTS, Finding, Statement
-from viscopoint.results import Run
+from viscopoint.results.folder import alone, disk_faults, make, whole, write_json
+from viscopoint.results.run import Run
 
 Runs = dict[str, Run]
 NAME = "reproduction.json"

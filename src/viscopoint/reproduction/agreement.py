@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from viscopoint.comparison import compare
-from viscopoint.ledger import Row
+from viscopoint.model.energy_balance import Row
 from viscopoint.reproduction.cases import DECAYS
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 MATERIALS = {f"β = {decay} 1/ms": decay for decay in DECAYS} | {"elastic": f"elastic-{DECAYS[-1]}"}
 TIMES = (5e-3, 10e-3, 20e-3)  # ms, the paper's

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from viscopoint.case import Case
+from viscopoint.case.case import Case
 
 DECAYS = ("6.5", "65", "650")  # beta, 1/ms
 METHODS = ("fem", "mpm")

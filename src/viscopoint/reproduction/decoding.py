@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from viscopoint.comparison.outline import outline
-from viscopoint.mpm.fills.lattice import rod_lattice
+from viscopoint.methods.mpm.fills.lattice import rod_lattice
 from viscopoint.reproduction.cases import DECAYS
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 POINTS = 21_172  # of the paper's lattice
 UNITS = (

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from viscopoint.case import Case
+from viscopoint.case.case import Case
 from viscopoint.comparison import compare
 from viscopoint.comparison.axis import axial_velocity
 from viscopoint.reproduction.cases import WIDE, paper_case
-from viscopoint.results import Run, Snapshot
+from viscopoint.results.run import Run, Snapshot
 
 MATERIALS = {"β = 650 1/ms": "650", "elastic": "elastic-650"}  # the widest foot; waves that nothing damps
 FEM, AS_PAPER, TOGETHER = "FEM itself", "as in the paper", "boxes, rings, one dilatation"

@@ -10,7 +10,7 @@ from viscopoint.report.scene import scene_of
 from viscopoint.reproduction import agreement, decoding, deviations
 from viscopoint.reproduction.agreement import MATERIALS
 from viscopoint.reproduction.figures import FIGURES
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 if TYPE_CHECKING:
     from viscopoint.reproduction import Reproduction

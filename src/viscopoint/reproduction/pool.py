@@ -12,12 +12,12 @@ from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
-from viscopoint.case import Case
+from viscopoint.case.case import Case
 from viscopoint.errors import InputError, ViscopointError
-from viscopoint.folder import CASE
-from viscopoint.interruption import Stop, noted
-from viscopoint.results import Run
-from viscopoint.sources import sources_of
+from viscopoint.kernels.sources import sources_of
+from viscopoint.results.folder import CASE
+from viscopoint.results.interruption import Stop, noted
+from viscopoint.results.run import Run
 
 Watch = Callable[[float, str], None]  # share done of the whole, what is going on
 PATIENCE = 0.1  # s between two looks at the progress
@@ -147,7 +147,7 @@ def _end_with_parent() -> None:
 def _simulate(place: int, case: Case, folder: Path) -> None:
     """Run a case in a worker."""
     from viscopoint.errors import ResultWarning
-    from viscopoint.running import resume, run
+    from viscopoint.results.running import resume, run
 
     def watch(share: float, row: Any) -> None:
         _shares[place] = share

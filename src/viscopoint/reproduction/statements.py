@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscopoint.arrays import Array
 from viscopoint.comparison import outline
 from viscopoint.comparison.axis import layer_velocity
+from viscopoint.kernels.arrays import Array
 from viscopoint.reproduction.cases import DECAYS
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 CELL = 0.5  # mm, of the paper's grid
 AT_SPEED = 0.1  # of the impact speed: material that differs by less from it still falls at it

@@ -10,15 +10,17 @@ from choices import Choices, chance, one_of
 from edits import NUMBERS, TEXTS, edited
 
 import viscopoint as vp
-from viscopoint.case import METHODS, changes_of, packaged
-from viscopoint.description import description
-from viscopoint.terminal import console
-from viscopoint.wording import unseen
+from viscopoint.case.case import METHODS, changes_of, packaged
+from viscopoint.case.description import description
+from viscopoint.command_line.terminal import console
+from viscopoint.messages import unseen
 
 MODULES = (
-    "tomllib._parser", "viscopoint.errors", "viscopoint.wording", "viscopoint.untrusted", "viscopoint.units",
-    "viscopoint.explain", "viscopoint.rules", "viscopoint.inputs", "viscopoint.case", "viscopoint.mpm.inputs",
-    "viscopoint.fem.inputs", "viscopoint.tlmpm.inputs",
+    "tomllib._parser", "viscopoint.errors", "viscopoint.messages", "viscopoint.results.safe_read",
+    "viscopoint.case.units",
+    "viscopoint.case.explain", "viscopoint.case.rules", "viscopoint.case.tables", "viscopoint.case.case",
+    "viscopoint.methods.mpm.inputs",
+    "viscopoint.methods.fem.inputs", "viscopoint.methods.tlmpm.inputs",
 )  # fmt: skip
 UNITS = (
     "mm", "m", "um", "us", "ms", "s", "MPa", "GPa", "1/ms", "m/s", "g/cm^3", "kg/m**3", "N/mm^2", "mm^9^9", "m^-9",
@@ -56,7 +58,7 @@ class Target:
     def __init__(self, folder: Path, seeds: Path | None) -> None:
         self.file = folder / "case.toml"
         (folder / "rod.vtu").write_bytes(b"no mesh")
-        files = resources.files("viscopoint.cases")
+        files = resources.files("viscopoint.case.library")
         texts = [(files / f"{name}.toml").read_text() for name in packaged()]
         texts += [vp.Case.load(name, method=method).resolved().to_toml() for name in packaged() for method in METHODS]
         texts += [(files / "starter.txt").read_text(), 'extends = "paper"\n[method]\nname = "fem"\nmesh = "rod.vtu"\n']

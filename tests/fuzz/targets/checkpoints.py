@@ -10,15 +10,15 @@ from choices import Choices, chance, one_of
 from edits import edited
 
 import viscopoint as vp
-from viscopoint import checkpoint
-from viscopoint.arrays import Rows
-from viscopoint.case import Case
-from viscopoint.checkpoint import Checkpoint
+from viscopoint.case.case import Case
 from viscopoint.errors import InputError
-from viscopoint.ledger import Row
-from viscopoint.model import build
+from viscopoint.kernels.arrays import Rows
+from viscopoint.model.build import build
+from viscopoint.model.energy_balance import Row
+from viscopoint.results import checkpoint
+from viscopoint.results.checkpoint import Checkpoint
 
-MODULES = ("viscopoint.errors", "viscopoint.checkpoint")
+MODULES = ("viscopoint.errors", "viscopoint.results.checkpoint")
 CASE = {"method.spacing": "1.9 mm", "method.geometry": "axisymmetric", "time.end": "4 us", "time.snapshots": ["2 us"]}
 WILD = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e-320, 1e308, -1e308, 1e15, 255.0, 2.0**31, 2.0**63)
 WILD_COUNTS = (-1, 0, 10**9, 2**63)

@@ -16,12 +16,13 @@ from choices import Choices, chance, one_of
 from edits import edited
 
 from viscopoint.errors import InputError
-from viscopoint.output import Mark
-from viscopoint.output.fields import NAME, Fields, check_of
-from viscopoint.results import CORRUPT, Run
+from viscopoint.results.output import Mark
+from viscopoint.results.output.fields import NAME, Fields, check_of
+from viscopoint.results.run import CORRUPT, Run
 
 MODULES = (
-    "viscopoint.errors", "viscopoint.hdf5", "viscopoint.output.fields", "viscopoint.transaction", "viscopoint.results",
+    "viscopoint.errors", "viscopoint.results.hdf5", "viscopoint.results.output.fields",
+    "viscopoint.results.transaction", "viscopoint.results.run",
 )  # fmt: skip
 JOURNAL = f".{NAME}.journal"
 HEAD = 30_000  # bytes at the beginning that describe the rest; most damage is done there

@@ -18,10 +18,10 @@ from edits import edited
 from vtkmodules.vtkIOExodus import vtkExodusIIWriter
 from watch import EscapedError
 
-from viscopoint.fem import reading, vtk_program
-from viscopoint.fem.rod import rod_mesh
+from viscopoint.methods.fem import reading, vtk_program
+from viscopoint.methods.fem.rod import rod_mesh
 
-MODULES = ("viscopoint.fem.reading", "viscopoint.fem.mesh", "viscopoint.errors", "viscopoint.wording")
+MODULES = ("viscopoint.methods.fem.reading", "viscopoint.methods.fem.mesh", "viscopoint.errors", "viscopoint.messages")
 ESCAPED = 99  # exit code
 RADIUS, LENGTH, SIZE = 2.0, 4.0, 2.0  # mm; of few elements, so that edits meet what matters
 PIECES = (

@@ -9,15 +9,15 @@ from pathlib import Path
 from choices import Choices, chance, one_of
 from edits import edited
 
+from viscopoint.command_line.terminal import print_summary
 from viscopoint.comparison import Comparison, differing
-from viscopoint.folder import CASE, PROVENANCE, SUMMARY
-from viscopoint.output.history import NAME as HISTORY
-from viscopoint.results import Run
-from viscopoint.terminal import print_summary
+from viscopoint.results.folder import CASE, PROVENANCE, SUMMARY
+from viscopoint.results.output.history import NAME as HISTORY
+from viscopoint.results.run import Run
 
 MODULES = (
-    "json.decoder", "viscopoint.errors", "viscopoint.wording", "viscopoint.untrusted", "viscopoint.case",
-    "viscopoint.summary", "viscopoint.results", "viscopoint.comparison", "viscopoint.terminal",
+    "json.decoder", "viscopoint.errors", "viscopoint.messages", "viscopoint.results.safe_read", "viscopoint.case.case",
+    "viscopoint.results.summary", "viscopoint.results.run", "viscopoint.comparison", "viscopoint.command_line.terminal",
 )  # fmt: skip
 NAMES = (PROVENANCE, SUMMARY, CASE, HISTORY)
 PIECES = (

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from viscopoint.discovery import import_all
-from viscopoint.folder import whole
-from viscopoint.results import Run
+from viscopoint.results.folder import whole
+from viscopoint.results.run import Run
 
 Draw = Callable[[Mapping[str, Run]], Figure]
 DPI = 200  # at which a PNG of a figure is as sharp as the material points in it were drawn

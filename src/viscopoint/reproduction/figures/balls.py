@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array, Indices
+from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.reproduction.figures.scene import brightness
 
 FORM = 0.6  # share of the body's own form in the light, the rest being that of the balls

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.colors import CenteredNorm
 
-from viscopoint.arrays import Array
+from viscopoint.kernels.arrays import Array
 from viscopoint.reproduction.cases import DECAYS
 from viscopoint.reproduction.figures.page import Page
 from viscopoint.reproduction.figures.scene import outline
 from viscopoint.reproduction.figures.solids import Paint, Part, colours, draw_rod, whole
-from viscopoint.results import Run, Snapshot
+from viscopoint.results.run import Run, Snapshot
 
 END = "20 us"
 TITLES = tuple(f"β = {decay} ms⁻¹" for decay in DECAYS)

@@ -15,7 +15,7 @@ from viscopoint.reproduction.figures import DPI, offer
 from viscopoint.reproduction.figures.page import LEFT, PAD, TOP, empty_scene, letter, panel, rulers
 from viscopoint.reproduction.figures.scene import View, upright
 from viscopoint.reproduction.figures.solids import Paint, draw_rod
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 WIDTH, SCALE, SIDE, GAP, EDGE = 7.0, 0.116, 1.30, 0.10, 0.04  # of the page, a mm of the rods, a face, between; inches
 FACE, RIM = (-1.08, 1.08), (0.42, 1.08)  # what is seen of the foot, from the axis, in radii of the rod

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from viscopoint.reproduction.figures import offer
 from viscopoint.reproduction.figures.growth import draw_growth
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 
 @offer(

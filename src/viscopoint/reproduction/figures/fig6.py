@@ -12,7 +12,7 @@ from viscopoint.reproduction.figures import offer
 from viscopoint.reproduction.figures.decays import TITLES, axial_velocity, beyond, draw_row, names, shots
 from viscopoint.reproduction.figures.page import ONE_ROW, lay_out, letter
 from viscopoint.reproduction.figures.solids import half_section
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 MPM = names("mpm")
 

@@ -9,12 +9,12 @@ from collections.abc import Mapping
 from matplotlib.colors import CenteredNorm
 from matplotlib.figure import Figure
 
-from viscopoint.arrays import Array
+from viscopoint.kernels.arrays import Array
 from viscopoint.reproduction.figures import offer
 from viscopoint.reproduction.figures.decays import TITLES, axial_velocity, beyond, draw_row, names, shots, span
 from viscopoint.reproduction.figures.page import TWO_ROWS, lay_out, letter
 from viscopoint.reproduction.figures.solids import Paint, colours, half_section
-from viscopoint.results import Run, Snapshot
+from viscopoint.results.run import Run, Snapshot
 
 FEM, MPM = names("fem-elastic"), names("mpm-elastic")
 

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from viscopoint.reproduction.figures.page import ONE_ROW, lay_out, letter
 from viscopoint.reproduction.figures.scene import outline
 from viscopoint.reproduction.figures.solids import Paint, colours, draw_rod
-from viscopoint.results import Run
+from viscopoint.results.run import Run
 
 SHADES = colours("viridis_r", 0.0, 0.9)  # bright at the foot, where the shape changes
 TIMES = ("5 us", "10 us", "20 us")

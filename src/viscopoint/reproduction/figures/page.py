@@ -7,7 +7,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from viscopoint.case import Case
+from viscopoint.case.case import Case
 from viscopoint.reproduction.figures.scene import RULER, View, draw_wall, upright
 from viscopoint.reproduction.figures.solids import Paint
 

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.patches import Ellipse, Polygon
 from matplotlib.patheffects import Normal, Stroke
 
-from viscopoint.arrays import Array
+from viscopoint.case.tables import Rod
 from viscopoint.figures.shapes import seen
-from viscopoint.inputs import Rod
+from viscopoint.kernels.arrays import Array
 from viscopoint.reproduction.figures import DPI
 
 TILT, TURN = np.radians(18.0), np.radians(-22.0)  # the camera looks down by the one; the other turns the rod under it

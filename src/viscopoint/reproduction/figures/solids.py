@@ -9,13 +9,13 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from numpy.typing import NDArray
 
-from viscopoint.arrays import Array
-from viscopoint.fem.mesh import outer_faces
+from viscopoint.case.tables import Rod
 from viscopoint.figures.faces import ON_CUT, far_first, lines
-from viscopoint.inputs import Rod
+from viscopoint.kernels.arrays import Array
+from viscopoint.methods.fem.mesh import outer_faces
 from viscopoint.reproduction.figures.balls import picture
 from viscopoint.reproduction.figures.scene import View, brightness
-from viscopoint.results import Run, Snapshot
+from viscopoint.results.run import Run, Snapshot
 
 LINE = 0.01  # width of the edges of elements, in points to a pixel per mm
 BALL = 0.62  # radius of a material point's ball in spacings: balls of a stretched foot still hide what is behind

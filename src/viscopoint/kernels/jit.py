@@ -1,0 +1,137 @@
+"""How kernels are compiled, cached and dispatched.
+
+A few decorators cover every compiled function of the package:
+
+- ``kernel`` (and ``serial_kernel``): a loop over points or nodes, compiled once per combination of argument types and
+  kept on disk; NamedTuples go in as arguments, where Numba can hand them to threads;
+- ``inline``: a small scalar function that kernels call, and that plain Python can call too;
+- ``generic``: an operation (``update_stress``, ``stencil``, ...) with one implementation per NamedTuple class, chosen
+  by type at compile time, so that a law or a shape function is added by writing one file.
+"""
+
+import contextlib
+import functools
+import os
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
+
+import numba
+import numba.np.ufunc.parallel
+from numba.core import config
+from numba.extending import overload, register_jitable
+
+from viscopoint.errors import InputError, ViscopointError
+from viscopoint.kernels import outside
+from viscopoint.kernels.cache import Cache, cache_folder
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+# Threads that wait for the slowest sleep. By default they spin, and where another process works on the same cores each
+# of the dozen waits in a step lasts as long as the system's time slice: steps took a hundred times longer.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+# x / c as x (1 / c) is the one liberty taken with IEEE arithmetic: sums keep their order, so that results do not depend
+# on the thread count, and what is fused is written down (``values.fma``). Division by zero gives inf or nan, which the
+# guards report, not a branch at each "/".
+OPTIONS: Any = {"fastmath": {"arcp"}, "error_model": "numpy"}
+INLINED: Any = {**OPTIONS, "forceinline": True}  # tensors stay in registers
+
+
+@contextlib.contextmanager
+def _own_cache() -> Iterator[None]:
+    """Point Numba at our cache folder, only while one of our kernels is being declared."""
+    settings: Any = config
+    previous = settings.CACHE_DIR
+    settings.CACHE_DIR = str(cache_folder())
+    try:
+        yield
+    finally:
+        settings.CACHE_DIR = previous
+
+
+def kernel(function: F) -> F:
+    """Compile a loop with threads over ``prange`` and keep the machine code on disk.
+
+    An array that the loop writes must have a name of its own before the loop: Numba drops stores through the
+    attribute of a NamedTuple inside ``prange`` (numba issues 5872, 7135, 10338).
+    """
+    return _compiled(function, parallel=True)
+
+
+def serial_kernel(function: F) -> F:
+    """Compile a loop too short for threads and keep the machine code on disk."""
+    return _compiled(function, parallel=False)
+
+
+def _compiled(function: Any, parallel: bool) -> Any:
+    dispatcher: Any = numba.njit(parallel=parallel, nogil=True, **OPTIONS)(function)
+    with _own_cache():
+        dispatcher._cache = Cache(function)  # what cache=True does, with a cache of our own
+    return dispatcher
+
+
+def check_ready() -> None:
+    """Raise what to do if kernels cannot run in this process.
+
+    Raises:
+        InputError: Numba was told not to compile.
+        ViscopointError: the process is a fork of one that computed on threads of GNU OpenMP, which would end it.
+    """
+    settings: Any = config
+    if settings.DISABLE_JIT:
+        raise InputError("NUMBA_DISABLE_JIT=1: kernels run compiled only; unset this environment variable")
+    if _forked:
+        raise ViscopointError(
+            "this process was forked from one that has computed on threads, which GNU OpenMP does not survive; start "
+            'processes by multiprocessing.get_context("spawn") or "forkserver"'
+        )
+
+
+def _note_fork() -> None:
+    """Note in a forked child whether its parent, or one before, has started threads of GNU OpenMP."""
+    global _forked
+    started: Any = numba.np.ufunc.parallel._is_initialized  # pyright: ignore[reportAttributeAccessIssue]
+    layer: Any = sys.modules.get("numba.np.ufunc.omppool")
+    _forked = _forked or bool(started and layer and layer.openmp_vendor == "GNU")
+
+
+_forked = False
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_note_fork)
+
+
+def inline(function: F) -> F:
+    """Let kernels call a scalar function; from Python it runs as it is written."""
+    return register_jitable(**INLINED)(function)
+
+
+def generic(declaration: Callable[..., Any]) -> Any:
+    """Declare an operation that dispatches on the class of its first argument, a NamedTuple.
+
+    ``@implements(operation, Class)`` adds an implementation. In Python the call is looked up at run time; in a
+    kernel it is resolved when the kernel is compiled and costs nothing.
+    """
+    table: dict[type, Callable[..., Any]] = {}
+
+    @functools.wraps(declaration)
+    def operation(subject: Any, *arguments: Any) -> Any:
+        return table[type(subject)](subject, *arguments)
+
+    @overload(operation, strict=False, jit_options=INLINED)
+    def resolve(subject: Any, *arguments: Any) -> Callable[..., Any] | None:
+        return table.get(getattr(subject, "instance_class", type(None)))
+
+    operation.implementations = table  # pyright: ignore[reportAttributeAccessIssue]
+    return operation
+
+
+def implements(operation: Any, subject: type) -> Callable[[F], F]:
+    """Register the decorated function as what ``operation`` does for ``subject``."""
+
+    def register(function: F) -> F:
+        operation.implementations[subject] = function
+        outside.note(operation, subject, function)
+        return function
+
+    return register

@@ -1,0 +1,358 @@
+"""Small tensors as values: vectors, symmetric (stress, strain) and general (velocity gradient, rotation) 3 x 3.
+
+A ``Vec``, ``Lanes`` or ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike,
+where it lives in registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
+"""
+
+import math
+import operator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+
+from viscopoint.kernels.jit import inline
+from viscopoint.kernels.values import (
+    accumulated,
+    fetched,
+    fma,
+    hold_as_lanes,
+    hold_as_struct,
+    inside_kernels,
+    scaled,
+    stored,
+    summed,
+)
+
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
+
+
+@dataclass(frozen=True, slots=True)
+class Vec:
+    """A vector."""
+
+    x: float
+    y: float
+    z: float
+
+    def __add__(self, other: "Vec") -> "Vec":
+        return _add_vectors(self, other)
+
+    def __sub__(self, other: "Vec") -> "Vec":
+        return _subtract_vectors(self, other)
+
+    def __rmul__(self, factor: float) -> "Vec":
+        return _scale_vector(factor, self)
+
+
+@dataclass(frozen=True, slots=True)
+class Lanes:
+    """A row of the nodes' arrays ``[n, 4]``: a vector and what goes with it, in one vector register."""
+
+    x: float
+    y: float
+    z: float
+    w: float
+
+    def __add__(self, other: "Lanes") -> "Lanes":
+        return Lanes(self.x + other.x, self.y + other.y, self.z + other.z, self.w + other.w)
+
+    def __rmul__(self, factor: float) -> "Lanes":
+        return Lanes(factor * self.x, factor * self.y, factor * self.z, factor * self.w)
+
+
+@dataclass(frozen=True, slots=True)
+class Sym:
+    """A symmetric second-order tensor."""
+
+    xx: float
+    yy: float
+    zz: float
+    xy: float
+    yz: float
+    zx: float
+
+    def __add__(self, other: "Sym") -> "Sym":
+        return _add(self, other)
+
+    def __sub__(self, other: "Sym") -> "Sym":
+        return _subtract(self, other)
+
+    def __rmul__(self, factor: float) -> "Sym":
+        return _scale(factor, self)
+
+
+class Matrix(NamedTuple):
+    """A general second-order tensor, row by row."""
+
+    xx: float
+    xy: float
+    xz: float
+    yx: float
+    yy: float
+    yz: float
+    zx: float
+    zy: float
+    zz: float
+
+
+class Columns(NamedTuple):
+    """A general second-order tensor, column by column: what it makes of the three axes."""
+
+    x: Vec
+    y: Vec
+    z: Vec
+
+
+# --- vectors ---------------------------------------------------------------------------------------------------------
+
+
+def _add_vectors(a: Vec, b: Vec) -> Vec:
+    return Vec(a.x + b.x, a.y + b.y, a.z + b.z)
+
+
+def _subtract_vectors(a: Vec, b: Vec) -> Vec:
+    return Vec(a.x - b.x, a.y - b.y, a.z - b.z)
+
+
+def _scale_vector(k: float, a: Vec) -> Vec:
+    return Vec(k * a.x, k * a.y, k * a.z)
+
+
+def fused(a: Any, k: float, b: Any) -> Any:
+    """Return a + k b of vectors or rows; inside kernels each component is rounded once."""
+    return a + k * b
+
+
+def _fused_vectors(a: Vec, k: float, b: Vec) -> Vec:
+    return Vec(fma(k, b.x, a.x), fma(k, b.y, a.y), fma(k, b.z, a.z))
+
+
+@inline
+def inner(a: float, x: float, b: float, y: float, c: float, z: float) -> float:
+    """Return a x + b y + c z."""
+    return fma(a, x, fma(b, y, c * z))
+
+
+@inline
+def minor(a: float, b: float, c: float, d: float) -> float:
+    """Return a d - b c, the determinant of ((a, b), (c, d))."""
+    return fma(a, d, -(b * c))
+
+
+def fetch(rows: Any, n: Any) -> Lanes:
+    """Read row n of ``rows[n, 4]``."""
+    return Lanes(*rows[n])
+
+
+def put(rows: Any, n: Any, a: Lanes) -> None:
+    """Store a row of ``rows[n, 4]``."""
+    rows[n] = a.x, a.y, a.z, a.w
+
+
+@inline
+def no_lanes() -> Lanes:
+    """Return nil."""
+    return Lanes(0.0, 0.0, 0.0, 0.0)
+
+
+@inline
+def product(a: Vec, b: Vec) -> Vec:
+    """Return the products of the components."""
+    return Vec(a.x * b.x, a.y * b.y, a.z * b.z)
+
+
+@inline
+def fused_product(sums: Vec, a: Vec, b: Vec) -> Vec:
+    """Return the sums with the products of the components added."""
+    return Vec(fma(a.x, b.x, sums.x), fma(a.y, b.y, sums.y), fma(a.z, b.z, sums.z))
+
+
+@inline
+def read_vector(row: Any) -> Vec:
+    """Read a vector, in double, from the first three values of an array row."""
+    real = np.float64
+    return Vec(real(row[0]), real(row[1]), real(row[2]))
+
+
+@inline
+def write_vector(row: Any, a: Vec) -> None:
+    """Store a vector in the first three values of an array row."""
+    row[0] = a.x
+    row[1] = a.y
+    row[2] = a.z
+
+
+@inline
+def total(a: Vec) -> float:
+    """Return the sum of the components."""
+    return a.x + a.y + a.z
+
+
+@inline
+def dot(a: Vec, b: Vec) -> float:
+    """Return a · b."""
+    return inner(a.x, b.x, a.y, b.y, a.z, b.z)
+
+
+@inline
+def cross(a: Vec, b: Vec) -> Vec:
+    """Return a x b."""
+    return Vec(minor(a.y, a.z, b.y, b.z), minor(a.z, a.x, b.z, b.x), minor(a.x, a.y, b.x, b.y))
+
+
+# --- general tensors -------------------------------------------------------------------------------------------------
+
+
+@inline
+def applied(a: Columns, v: Vec) -> Vec:
+    """Return a v."""
+    return fused(fused(v.x * a.x, v.y, a.y), v.z, a.z)
+
+
+@inline
+def columns(a: Matrix) -> Columns:
+    """Return the tensor column by column."""
+    return Columns(Vec(a.xx, a.yx, a.zx), Vec(a.xy, a.yy, a.zy), Vec(a.xz, a.yz, a.zz))
+
+
+@inline
+def sym_columns(a: Sym) -> Columns:
+    """Return the tensor column by column."""
+    return Columns(Vec(a.xx, a.xy, a.zx), Vec(a.xy, a.yy, a.yz), Vec(a.zx, a.yz, a.zz))
+
+
+@inline
+def matrix(a: Columns) -> Matrix:
+    """Return the tensor row by row."""
+    return Matrix(a.x.x, a.y.x, a.z.x, a.x.y, a.y.y, a.z.y, a.x.z, a.y.z, a.z.z)
+
+
+@inline
+def determinant(a: Matrix) -> float:
+    """Return det a."""
+    x, y, z = minor(a.yy, a.yz, a.zy, a.zz), minor(a.yz, a.yx, a.zz, a.zx), minor(a.yx, a.yy, a.zx, a.zy)
+    return inner(a.xx, x, a.xy, y, a.xz, z)
+
+
+# --- symmetric tensors -----------------------------------------------------------------------------------------------
+
+
+def _add(a: Sym, b: Sym) -> Sym:
+    return Sym(a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.yz + b.yz, a.zx + b.zx)
+
+
+def _subtract(a: Sym, b: Sym) -> Sym:
+    return Sym(a.xx - b.xx, a.yy - b.yy, a.zz - b.zz, a.xy - b.xy, a.yz - b.yz, a.zx - b.zx)
+
+
+def _scale(k: float, a: Sym) -> Sym:
+    return Sym(k * a.xx, k * a.yy, k * a.zz, k * a.xy, k * a.yz, k * a.zx)
+
+
+@inline
+def spherical(mean: float) -> Sym:
+    """Return mean I."""
+    return Sym(mean, mean, mean, 0.0, 0.0, 0.0)
+
+
+@inline
+def trace(a: Sym) -> float:
+    """Return tr a."""
+    return a.xx + a.yy + a.zz
+
+
+@inline
+def deviator(a: Sym) -> Sym:
+    """Return a' = a - (tr a / 3) I."""
+    return a - spherical(trace(a) / 3.0)
+
+
+@inline
+def contract(a: Sym, b: Sym) -> float:
+    """Return a : b."""
+    return fma(2.0, inner(a.xy, b.xy, a.yz, b.yz, a.zx, b.zx), inner(a.xx, b.xx, a.yy, b.yy, a.zz, b.zz))
+
+
+@inline
+def von_mises(stress: Sym) -> float:
+    """Return sqrt(3/2 S : S)."""
+    shape = deviator(stress)
+    return math.sqrt(1.5 * contract(shape, shape))
+
+
+@inline
+def rotated(a: Sym, turn: Matrix) -> Sym:
+    """Return Q a Qᵀ for the rotation Q = turn."""
+    xx = inner(turn.xx, a.xx, turn.xy, a.xy, turn.xz, a.zx)  # Q a, row by row
+    xy = inner(turn.xx, a.xy, turn.xy, a.yy, turn.xz, a.yz)
+    xz = inner(turn.xx, a.zx, turn.xy, a.yz, turn.xz, a.zz)
+    yx = inner(turn.yx, a.xx, turn.yy, a.xy, turn.yz, a.zx)
+    yy = inner(turn.yx, a.xy, turn.yy, a.yy, turn.yz, a.yz)
+    yz = inner(turn.yx, a.zx, turn.yy, a.yz, turn.yz, a.zz)
+    zx = inner(turn.zx, a.xx, turn.zy, a.xy, turn.zz, a.zx)
+    zy = inner(turn.zx, a.xy, turn.zy, a.yy, turn.zz, a.yz)
+    zz = inner(turn.zx, a.zx, turn.zy, a.yz, turn.zz, a.zz)
+    return Sym(
+        inner(xx, turn.xx, xy, turn.xy, xz, turn.xz),
+        inner(yx, turn.yx, yy, turn.yy, yz, turn.yz),
+        inner(zx, turn.zx, zy, turn.zy, zz, turn.zz),
+        inner(xx, turn.yx, xy, turn.yy, xz, turn.yz),
+        inner(yx, turn.zx, yy, turn.zy, yz, turn.zz),
+        inner(zx, turn.xx, zy, turn.xy, zz, turn.xz),
+    )
+
+
+@inline
+def spun(a: Sym, x: float, y: float, z: float) -> Sym:
+    """Return W a - a W for the antisymmetric W with axial vector (x, y, z): the rate of a tensor that turns with W."""
+    return Sym(
+        2.0 * minor(y, z, a.xy, a.zx),
+        2.0 * minor(z, x, a.yz, a.xy),
+        2.0 * minor(x, y, a.zx, a.yz),
+        fma(z, a.xx - a.yy, minor(y, x, a.zx, a.yz)),
+        fma(x, a.yy - a.zz, minor(z, y, a.xy, a.zx)),
+        fma(y, a.zz - a.xx, minor(x, z, a.yz, a.xy)),
+    )
+
+
+@inline
+def read(row: Any) -> Sym:
+    """Read a tensor, in double, from the six values of an array row or a tuple."""
+    real = np.float64
+    return Sym(real(row[0]), real(row[1]), real(row[2]), real(row[3]), real(row[4]), real(row[5]))
+
+
+@inline
+def write(row: Any, a: Sym) -> None:
+    """Store a tensor in the six values of an array row."""
+    row[0] = a.xx
+    row[1] = a.yy
+    row[2] = a.zz
+    row[3] = a.xy
+    row[4] = a.yz
+    row[5] = a.zx
+
+
+@inline
+def components(a: Sym) -> tuple[float, float, float, float, float, float]:
+    """Return the six components as a tuple."""
+    return (a.xx, a.yy, a.zz, a.xy, a.yz, a.zx)
+
+
+# --- inside kernels --------------------------------------------------------------------------------------------------
+
+_VEC, _LANES, _SYM = hold_as_struct(Vec), hold_as_lanes(Lanes), hold_as_struct(Sym)
+inside_kernels(operator.add, _add_vectors, _VEC, _VEC)
+inside_kernels(operator.sub, _subtract_vectors, _VEC, _VEC)
+inside_kernels(operator.mul, _scale_vector, types.Number, _VEC)
+inside_kernels(fused, _fused_vectors, _VEC, types.Number, _VEC)
+inside_kernels(fused, accumulated(), _LANES, types.Number, _LANES)
+inside_kernels(operator.add, summed(), _LANES, _LANES)
+inside_kernels(operator.mul, scaled(), types.Number, _LANES)
+inside_kernels(fetch, fetched(Lanes), types.Array, types.Integer)
+inside_kernels(put, stored(), types.Array, types.Integer, _LANES)
+inside_kernels(operator.add, _add, _SYM, _SYM)
+inside_kernels(operator.sub, _subtract, _SYM, _SYM)
+inside_kernels(operator.mul, _scale, types.Number, _SYM)

@@ -1,0 +1,1 @@
+"""How a body is discretised: finite elements, material points, and total Lagrangian material points."""

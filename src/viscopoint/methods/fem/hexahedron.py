@@ -1,0 +1,272 @@
+"""The trilinear hexahedron, described by its modes.
+
+With reference coordinates ξ, η, ζ in [-1, 1], any field that the eight corner values span is
+
+    x(ξ, η, ζ) = x_0 + a ξ + b η + c ζ + d ηζ + e ζξ + f ξη + g ξηζ
+
+The constant says nothing of strain. Three modes are linear; the other four, which a uniform strain does not see, are
+the hourglass modes. Corners are numbered as VTK does: the lower face around, then the upper one.
+
+The force that works on a mode is the sum of the corner forces with the mode's signs; ``corner_forces`` takes an
+eighth of it to each corner.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from viscopoint.kernels.arrays import Array
+from viscopoint.kernels.jit import inline
+from viscopoint.kernels.tensors import Columns, Vec, applied, cross, dot, fused, fused_product, product, total
+
+GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 x 2 rule, whose points stand like the corners
+#                  0     1     2     3     4     5     6     7
+XI = np.array([-1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0])
+ETA = np.array([-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0])
+ZETA = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
+
+
+Corners = tuple[float, ...]  # 24 numbers: x, y and z at each corner
+Flat = tuple[float, ...]  # 21 numbers: x, y and z of each mode
+
+
+class Modes(NamedTuple):
+    """A vector field over the element, less its mean."""
+
+    xi: Vec  # a
+    eta: Vec  # b
+    zeta: Vec  # c
+    eta_zeta: Vec  # d
+    zeta_xi: Vec  # e
+    xi_eta: Vec  # f
+    all: Vec  # g, of ξηζ
+
+
+class Hourglass(NamedTuple):
+    """The part of a field that the uniform gradient does not see."""
+
+    eta_zeta: Vec
+    zeta_xi: Vec
+    xi_eta: Vec
+    all: Vec
+
+
+class Gradient(NamedTuple):
+    """∂V/∂(modes of x) = ∫∇N over the element, by modes; that of ξηζ is nil."""
+
+    xi: Vec
+    eta: Vec
+    zeta: Vec
+    eta_zeta: Vec
+    zeta_xi: Vec
+    xi_eta: Vec
+
+
+class Slopes(NamedTuple):
+    """Three vectors that belong to the directions of ξ, η and ζ."""
+
+    xi: Vec
+    eta: Vec
+    zeta: Vec
+
+
+@inline
+def modes(values: Array, corner: Any) -> Modes:
+    """Return the modes of the nodal ``values[n, 3]`` at the nodes ``corner[8]`` of an element."""
+    return modes_of(corner_values(values, corner))
+
+
+@inline
+def corner_values(values: Array, corner: Any) -> Corners:
+    """Return the nodal ``values[n, 3]`` at the nodes ``corner[8]`` of an element."""
+    a, b, c, d, e, f, g, h = (
+        corner[0], corner[1], corner[2], corner[3], corner[4], corner[5], corner[6], corner[7]
+    )  # fmt: skip
+    return (
+        values[a, 0], values[a, 1], values[a, 2], values[b, 0], values[b, 1], values[b, 2],
+        values[c, 0], values[c, 1], values[c, 2], values[d, 0], values[d, 1], values[d, 2],
+        values[e, 0], values[e, 1], values[e, 2], values[f, 0], values[f, 1], values[f, 2],
+        values[g, 0], values[g, 1], values[g, 2], values[h, 0], values[h, 1], values[h, 2],
+    )  # fmt: skip
+
+
+@inline
+def modes_of(x: Corners) -> Modes:
+    """Return the modes of a field by its corner values."""
+    a, b, c, d = Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11])
+    e, f, g, h = Vec(x[12], x[13], x[14]), Vec(x[15], x[16], x[17]), Vec(x[18], x[19], x[20]), Vec(x[21], x[22], x[23])
+    ba, cd, fe, gh = b - a, c - d, f - e, g - h
+    ab, dc, ef, hg = a + b, c + d, e + f, g + h
+    lower, upper, lower_eta, upper_eta = ba + cd, fe + gh, cd - ba, gh - fe
+    front, back, bottom, top = dc - ab, hg - ef, ab + dc, ef + hg
+    return Modes(
+        xi=0.125 * (lower + upper),
+        eta=0.125 * (front + back),
+        zeta=0.125 * (top - bottom),
+        eta_zeta=0.125 * (back - front),
+        zeta_xi=0.125 * (upper - lower),
+        xi_eta=0.125 * (lower_eta + upper_eta),
+        all=0.125 * (upper_eta - lower_eta),
+    )
+
+
+@inline
+def flattened(field: Modes) -> Flat:
+    """Return the 21 numbers of a field."""
+    a, b, c, d, e, f, g = field
+    return (
+        a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z,
+        d.x, d.y, d.z, e.x, e.y, e.z, f.x, f.y, f.z, g.x, g.y, g.z,
+    )  # fmt: skip
+
+
+@inline
+def unflattened(x: Flat) -> Modes:
+    """Return the field of 21 numbers."""
+    return Modes(
+        Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11]),
+        Vec(x[12], x[13], x[14]), Vec(x[15], x[16], x[17]), Vec(x[18], x[19], x[20]),
+    )  # fmt: skip
+
+
+@inline
+def corner_forces(on: Modes) -> Corners:
+    """Return the forces at the corners of which ``on`` is an eighth of the forces on the modes."""
+    p, q, r = on.xi - on.zeta_xi, on.eta - on.eta_zeta, on.xi_eta - on.all
+    t, u, v = on.xi + on.zeta_xi, on.eta + on.eta_zeta, on.xi_eta + on.all
+    along, across = p + q, p - q
+    a, b = r - on.zeta - along, across - r - on.zeta
+    c, d = along + r - on.zeta, (-1.0) * (across + r) - on.zeta
+    along, across = t + u, t - u
+    e, f = on.zeta + v - along, on.zeta + across - v
+    g, h = on.zeta + along + v, on.zeta - across - v
+    return (
+        a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z,
+        e.x, e.y, e.z, f.x, f.y, f.z, g.x, g.y, g.z, h.x, h.y, h.z,
+    )  # fmt: skip
+
+
+@inline
+def moved(place: Modes, step: float, velocity: Modes) -> Modes:
+    """Return place + step velocity."""
+    return Modes(
+        fused(place.xi, step, velocity.xi),
+        fused(place.eta, step, velocity.eta),
+        fused(place.zeta, step, velocity.zeta),
+        fused(place.eta_zeta, step, velocity.eta_zeta),
+        fused(place.zeta_xi, step, velocity.zeta_xi),
+        fused(place.xi_eta, step, velocity.xi_eta),
+        fused(place.all, step, velocity.all),
+    )
+
+
+@inline
+def volume_gradient(place: Modes) -> Gradient:
+    """Return ∂V/∂x for V = 8 [a·(b x c) - (a·(e x f) + b·(f x d) + c·(d x e)) / 3]."""
+    a, b, c, d, e, f, _ = place
+    third = 8.0 / 3.0
+    return Gradient(
+        8.0 * cross(b, c) - third * cross(e, f),
+        8.0 * cross(c, a) - third * cross(f, d),
+        8.0 * cross(a, b) - third * cross(d, e),
+        (-third) * (cross(b, f) + cross(e, c)),
+        (-third) * (cross(f, a) + cross(c, d)),
+        (-third) * (cross(a, e) + cross(d, b)),
+    )
+
+
+@inline
+def volume(place: Modes, gradient: Gradient) -> float:
+    """Return the exact volume of the element, a cubic in its modes: by Euler, a third of x·∂V/∂x."""
+    a, b, c, d, e, f, _ = place
+    w = gradient
+    linear = fused_product(fused_product(product(a, w.xi), b, w.eta), c, w.zeta)
+    return total(fused_product(fused_product(fused_product(linear, d, w.eta_zeta), e, w.zeta_xi), f, w.xi_eta)) / 3.0
+
+
+@inline
+def mean_gradient(field: Modes, gradient: Gradient, scale: float) -> Columns:
+    """Return scale ∫∂field/∂x over the element: the field's mean gradient for scale = 1/V."""
+    a, b, c, d, e, f, _ = field
+    w = gradient
+    return Columns(
+        scale * _six(w.xi.x, a, w.eta.x, b, w.zeta.x, c, w.eta_zeta.x, d, w.zeta_xi.x, e, w.xi_eta.x, f),
+        scale * _six(w.xi.y, a, w.eta.y, b, w.zeta.y, c, w.eta_zeta.y, d, w.zeta_xi.y, e, w.xi_eta.y, f),
+        scale * _six(w.xi.z, a, w.eta.z, b, w.zeta.z, c, w.eta_zeta.z, d, w.zeta_xi.z, e, w.xi_eta.z, f),
+    )
+
+
+@inline
+def _six(
+    a: float, x: Vec, b: float, y: Vec, c: float, z: Vec, d: float, u: Vec, e: float, v: Vec, f: float, w: Vec
+) -> Vec:
+    """Return the sum of six products."""
+    return fused(fused(fused(fused(fused(a * x, b, y), c, z), d, u), e, v), f, w)
+
+
+@inline
+def slopes(field: Modes, xi: float, eta: float, zeta: float) -> Slopes:
+    """Return the derivatives of a field along ξ, η and ζ at a place in the element."""
+    return Slopes(
+        fused(fused(fused(field.xi, zeta, field.zeta_xi), eta, field.xi_eta), eta * zeta, field.all),
+        fused(fused(fused(field.eta, zeta, field.eta_zeta), xi, field.xi_eta), zeta * xi, field.all),
+        fused(fused(fused(field.zeta, eta, field.eta_zeta), xi, field.zeta_xi), xi * eta, field.all),
+    )
+
+
+@inline
+def areas(tangents: Slopes) -> tuple[Slopes, float]:
+    """Return the cross products of the tangents ∂x/∂ξ, each normal to two of them, and their determinant."""
+    a, b, c = tangents.xi, tangents.eta, tangents.zeta
+    normal = cross(b, c)
+    return Slopes(normal, cross(c, a), cross(a, b)), dot(a, normal)
+
+
+@inline
+def local_gradient(field: Slopes, faces: Slopes, scale: float) -> Columns:
+    """Return scale det ∂field/∂x at the place where field and ``areas`` were taken."""
+    a, b, c = field
+    return Columns(
+        scale * fused(fused(faces.xi.x * a, faces.eta.x, b), faces.zeta.x, c),
+        scale * fused(fused(faces.xi.y * a, faces.eta.y, b), faces.zeta.y, c),
+        scale * fused(fused(faces.xi.z * a, faces.eta.z, b), faces.zeta.z, c),
+    )
+
+
+@inline
+def gathered(on: Modes, pull: Columns, faces: Slopes, xi: float, eta: float, zeta: float) -> Modes:
+    """Add to the forces on the modes those of a stress at a place of weight one: the transpose of ``slopes``."""
+    a, b, c = applied(pull, faces.xi), applied(pull, faces.eta), applied(pull, faces.zeta)
+    return Modes(
+        on.xi + a,
+        on.eta + b,
+        on.zeta + c,
+        fused(fused(on.eta_zeta, zeta, b), eta, c),
+        fused(fused(on.zeta_xi, zeta, a), xi, c),
+        fused(fused(on.xi_eta, eta, a), xi, b),
+        fused(fused(fused(on.all, eta * zeta, a), zeta * xi, b), xi * eta, c),
+    )
+
+
+@inline
+def smallest_length(gradient: Gradient, volume: float) -> float:
+    """Return the least of the element's three thicknesses, V over the area of a section between opposite faces."""
+    xi, eta, zeta = gradient.xi, gradient.eta, gradient.zeta
+    largest = max(dot(xi, xi), max(dot(eta, eta), dot(zeta, zeta)))
+    return 2.0 * volume / math.sqrt(largest)
+
+
+@inline
+def stable_length(gradient: Gradient, volume: float) -> float:
+    """Return l such that no element frequency exceeds 2c/l: 1/l² = Σ 1/l_k² of a brick's three edges.
+
+    The power of a stress is Σ v_m · σ ∂V/∂x_m and the element's mass, an eighth at each corner, moves with v_m², so
+    that by Cauchy and Schwarz ω² <= M Σ |∂V/∂x_m|² / (ρ V²) (after Flanagan & Belytschko 1984). The smallest edge
+    alone, l/c, is too long a step where an element swells along all three axes at once, as it easily does in a soft
+    solid of high bulk modulus.
+    """
+    w = gradient
+    linear = fused_product(fused_product(product(w.xi, w.xi), w.eta, w.eta), w.zeta, w.zeta)
+    d, e, f = w.eta_zeta, w.zeta_xi, w.xi_eta
+    return 2.0 * volume / math.sqrt(total(fused_product(fused_product(fused_product(linear, d, d), e, e), f, f)))

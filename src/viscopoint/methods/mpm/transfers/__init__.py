@@ -1,0 +1,86 @@
+"""What points and nodes tell each other of their motion: one short file each, found by itself.
+
+A transfer is a NamedTuple (of its parameters, if it has any), offered under the name that a case uses, and
+implementations of ``give``, ``give_with_force`` and ``take``. In all of them the points move with Σ N v_i, the velocity
+of the accelerated nodes, and linear momentum goes over without loss. They differ in what a point remembers:
+
+- of velocities that the nodes do not see: FLIP keeps them for good, and with them the noise; the others forget;
+- of the motion around the point: FLIP and PIC nothing, APIC a moment, TPIC a gradient.
+
+A wave of which points and nodes leave each other the share F per exchange, S⁺S v = F v (S interpolates to the points by
+N, S⁺ averages back), loses nothing by FLIP, 1 - F each step by PIC, and what no affine field around the points can hold
+by APIC and TPIC: it is the ledger's remainder. The motion that APIC and TPIC keep around points goes back to the nodes;
+it is kinetic energy of the points, m_p (v_p² + tr(C D C^T)) / 2 with C = B D⁻¹ for APIC, when they took it.
+"""
+
+from collections.abc import Callable
+from typing import Any, Protocol, Self, TypeVar
+
+from viscopoint.discovery import import_all
+from viscopoint.kernels.jit import generic, inline
+from viscopoint.kernels.tensors import Lanes, Sym
+from viscopoint.methods.mpm.grid import Grid
+from viscopoint.methods.mpm.points import Points
+from viscopoint.methods.mpm.support import Support
+
+T = TypeVar("T")
+
+
+class Transfer(Protocol):
+    """What the method asks of a transfer beside ``give``, ``give_with_force`` and ``take``."""
+
+    @classmethod
+    def chosen(cls, pic: float) -> Self:
+        """Return the transfer with the share of PIC, if it has such."""
+        ...
+
+    @property
+    def affine(self) -> bool:
+        """Whether each point needs memory for a general tensor."""
+        ...
+
+    @property
+    def dissipates(self) -> str:
+        """By what the transfer loses energy, in the words of the guard that stops a run for it."""
+        ...
+
+
+TRANSFERS: dict[str, type[Transfer]] = {}
+
+
+@generic
+def give(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None:
+    """Add mass and momentum of point p to the nodes around it, for the velocity by which points are strained."""
+    raise NotImplementedError
+
+
+@generic
+def give_with_force(transfer: Any, points: Points, p: int, grid: Grid, at: Support, pull: Sym) -> None:
+    """Add mass and momentum of point p, and the force ``pull`` · ∇N (per cell) [N], in one visit to each node."""
+    raise NotImplementedError
+
+
+@generic
+def take(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None:
+    """Let point p have its new velocity, and note Σ N v_i, at which it will move."""
+    raise NotImplementedError
+
+
+@inline
+def carry(points: Points, p: int, velocity: Lanes, drift: Lanes) -> None:
+    """Store a point's velocity and the one with which it moves."""
+    points.velocity[p, 0], points.velocity[p, 1], points.velocity[p, 2] = velocity.x, velocity.y, velocity.z
+    points.drift[p, 0], points.drift[p, 1], points.drift[p, 2] = drift.x, drift.y, drift.z
+
+
+def offer(name: str) -> Callable[[type[T]], type[T]]:
+    """Let cases choose the decorated transfer by ``name``."""
+
+    def register(transfer: type[T]) -> type[T]:
+        TRANSFERS[name] = transfer  # pyright: ignore[reportArgumentType]
+        return transfer
+
+    return register
+
+
+import_all(__name__)

@@ -1,0 +1,70 @@
+"""Whose volume and pressure a point has: one short file each, found by itself.
+
+Nearly incompressible points that each resist their own change of volume lock: a cell has few velocities of its own, of
+which every point takes one for itself. A cure is a NamedTuple, offered under the name that a case uses, and
+implementations of ``dilated`` and of its counterpart ``pull``: what counts as strain must also do the work.
+"""
+
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
+
+from viscopoint.discovery import import_all
+from viscopoint.kernels.jit import generic
+from viscopoint.kernels.tensors import Sym
+from viscopoint.methods.mpm.grid import Grid
+from viscopoint.methods.mpm.points import Points
+
+T = TypeVar("T")
+
+
+class Volume(Protocol):
+    """What the method asks of the choice beside ``dilated`` and ``pull``."""
+
+    spares: int  # how many spare arrays of nodes the choice needs
+
+    @classmethod
+    def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "Volume":
+        """Return what ``dilated`` needs for the step that the nodes' velocity makes in ``dt``."""
+        ...
+
+    @classmethod
+    def pressed(cls, points: Points, grid: Grid) -> "Volume":
+        """Return what ``pull`` needs of the points' pressures."""
+        ...
+
+
+VOLUMES: dict[str, type[Volume]] = {}
+
+
+@generic
+def dilated(volume: Any, points: Points, p: int, grid: Grid, strain: Sym, ratio: float) -> tuple[Sym, float]:
+    """Return the strain increment and the volume ratio of a step that point p shall have.
+
+    Args:
+        volume: the choice, ``strained``.
+        points: all points, where the step began.
+        p: the point.
+        grid: where the cells are.
+        strain: the point's own strain increment.
+        ratio: its own det(I + A) over the step.
+    """
+    raise NotImplementedError
+
+
+@generic
+def pull(volume: Any, points: Points, p: int, grid: Grid) -> Sym:
+    """Return the stress, bulk viscosity included, with which point p acts on the nodes; ``volume`` is ``pressed``."""
+    raise NotImplementedError
+
+
+def offer(name: str) -> Callable[[type[T]], type[T]]:
+    """Let cases choose the decorated volume by ``name``."""
+
+    def register(volume: type[T]) -> type[T]:
+        VOLUMES[name] = volume  # pyright: ignore[reportArgumentType]
+        return volume
+
+    return register
+
+
+import_all(__name__)

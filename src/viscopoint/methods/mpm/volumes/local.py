@@ -1,0 +1,36 @@
+"""Each point's own volume and pressure: the paper's."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from viscopoint.kernels.jit import implements
+from viscopoint.kernels.tensors import Sym, read, spherical
+from viscopoint.methods.mpm.grid import Grid
+from viscopoint.methods.mpm.points import Points
+from viscopoint.methods.mpm.volumes import dilated, offer, pull
+
+
+@offer("local")
+class Local(NamedTuple):
+    """Nothing is averaged."""
+
+    spares = 0
+
+    @classmethod
+    def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "Local":
+        return cls()
+
+    @classmethod
+    def pressed(cls, points: Points, grid: Grid) -> "Local":
+        return cls()
+
+
+@implements(dilated, Local)
+def own_volume(volume: Local, points: Points, p: int, grid: Grid, strain: Sym, ratio: float) -> tuple[Sym, float]:
+    return strain, ratio
+
+
+@implements(pull, Local)
+def own_stress(volume: Local, points: Points, p: int, grid: Grid) -> Sym:
+    return read(points.stress[p]) - spherical(np.float64(points.viscous_pressure[p]))

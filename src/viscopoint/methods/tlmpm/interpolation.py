@@ -1,0 +1,49 @@
+"""What a point reads from its nodes and adds to them, with gradients in the undeformed body."""
+
+from typing import Any
+
+from viscopoint.kernels.arrays import Array
+from viscopoint.kernels.jit import inline
+from viscopoint.kernels.tensors import Lanes, Matrix
+from viscopoint.methods.mpm.support import gradient, pull_in, sampled_with_gradient, spread_gradient, widened
+from viscopoint.methods.tlmpm.lattice import Lattice
+from viscopoint.methods.tlmpm.points import Points
+
+
+@inline
+def reference_gradient(field: Array, lattice: Any, at: Any, scale: float) -> Matrix:
+    """Return ``scale`` Σ field ⊗ ∇0 N at a point."""
+    return per_length(gradient(field, lattice, at, scale), lattice)
+
+
+@inline
+def per_length(a: Matrix, lattice: Any) -> Matrix:
+    """Return a gradient per cell as one per length."""
+    x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
+    return Matrix(x * a.xx, y * a.xy, z * a.xz, x * a.yx, y * a.yy, z * a.yz, x * a.zx, y * a.zy, z * a.zz)
+
+
+@inline
+def follow(points: Points, p: int, lattice: Lattice, velocity: Array, at: Any, dt: float) -> Matrix:
+    """Move point p with the nodes, x += Δt Σ N v_i, and return its change of F, Δt Σ v_i ⊗ ∇0 N."""
+    mean, x, y, z = sampled_with_gradient(velocity, lattice, at)
+    points.position[p, 0] += dt * mean.x
+    points.position[p, 1] += dt * mean.y
+    points.position[p, 2] += dt * mean.z
+    change = Matrix(
+        dt * x.x, dt * y.x, dt * z.x,
+        dt * x.y, dt * y.y, dt * z.y,
+        dt * x.z, dt * y.z, dt * z.z,
+    )  # fmt: skip
+    return per_length(widened(at, mean, dt, change), lattice)
+
+
+@inline
+def push(force: Array, lattice: Lattice, at: Any, s: Matrix) -> None:
+    """Add s · ∇0 N to the nodes' force."""
+    x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
+    spread_gradient(
+        force, lattice, at,
+        x * Lanes(s.xx, s.yx, s.zx, 0.0), y * Lanes(s.xy, s.yy, s.zy, 0.0), z * Lanes(s.xz, s.yz, s.zz, 0.0),
+    )  # fmt: skip
+    pull_in(at, force, lattice, y * s.yy)

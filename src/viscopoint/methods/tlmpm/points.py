@@ -1,0 +1,62 @@
+"""The material points of a body that keeps its neighbours: all its state but the motion, which the nodes have."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscopoint.kernels.arrays import Array, Real
+from viscopoint.kernels.jit import inline
+from viscopoint.kernels.tensors import Matrix
+
+
+class Points(NamedTuple):
+    """Row p is the same piece of material from start to end. Points of no volume only watch.
+
+    In single precision X and x stay double; F in double brought nothing that could be measured (docs/precision.md).
+    """
+
+    reference: Array  # [p, 3], X, where the point stands in the background grid for good, mm
+    position: Array  # [p, 3], x, mm
+    volume: Array  # [p], reference volume, mm^3
+    deformation: Array  # [p, 9], F, row by row
+    jacobian: Array  # [p], J that the law sees: det F, or its mean over a cell
+    stress: Array  # [p, 6], Cauchy, xx yy zz xy yz zx, MPa
+    viscous_pressure: Array  # [p], of the bulk viscosity, MPa
+    history: Array  # [p, h], the law's
+    dissipated: Array  # [p], by the law per reference volume, mJ/mm^3
+    hypoelastic: Array  # [p], taken by the law as volume changes under shear, per reference volume, mJ/mm^3
+    viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
+
+
+def at_rest(position: Array, volume: Array, history_size: int, real: Real = np.float64) -> Points:
+    """Return stress-free points."""
+    count = len(position)
+    return Points(
+        reference=position.copy(),
+        position=position.copy(),
+        volume=volume.astype(real),
+        deformation=np.tile(np.eye(3, dtype=real).ravel(), (count, 1)),
+        jacobian=np.ones(count, real),
+        stress=np.zeros((count, 6), real),
+        viscous_pressure=np.zeros(count, real),
+        history=np.zeros((count, history_size), real),
+        dissipated=np.zeros(count, real),
+        hypoelastic=np.zeros(count, real),
+        viscous_loss=np.zeros(count, real),
+    )
+
+
+@inline
+def deformation(points: Points, p: int) -> Matrix:
+    """Return F of point p."""
+    f = points.deformation[p]
+    return Matrix(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8])
+
+
+@inline
+def keep_deformation(points: Points, p: int, f: Matrix) -> None:
+    """Store F of point p."""
+    row = points.deformation[p]
+    row[0], row[1], row[2] = f.xx, f.xy, f.xz
+    row[3], row[4], row[5] = f.yx, f.yy, f.yz
+    row[6], row[7], row[8] = f.zx, f.zy, f.zz

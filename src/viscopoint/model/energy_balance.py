@@ -1,0 +1,113 @@
+"""Energy, momentum and shape, measured on any method: one row of the history."""
+
+from collections.abc import Sequence
+from typing import Annotated, NamedTuple, get_type_hints
+
+from viscopoint.model.body import Surface
+from viscopoint.model.measurements import Gauges, measure
+from viscopoint.model.method import Method, Totals
+
+Time = Annotated[float, "ms"]
+Length = Annotated[float, "mm"]
+Speed = Annotated[float, "m/s"]
+Force = Annotated[float, "N"]
+Impulse = Annotated[float, "N ms"]
+Energy = Annotated[float, "mJ"]
+Mass = Annotated[float, "g"]
+Percent = Annotated[float, "%"]
+Count = Annotated[int, "1"]
+
+
+class Row(NamedTuple):
+    """The state of a run at one time; ``UNITS`` has the unit of each entry.
+
+    Energies close by construction: ``numerical`` is what the initial kinetic energy exceeds the sum of the others by,
+    and so what transfers and time integration lost (or, below zero, gained). A rigid wall does no work: ``contact`` is
+    the kinetic energy of the nodes that it stops, a loss of the method of first order in the cell or element. Points
+    that left the box keep the energy and momentum they had, and count; so do the nodes of deleted elements. Lengths
+    that need a point which was lost are not a number.
+
+    ``hourglass_share`` is ``hourglass`` over the greatest internal energy so far, stored and dissipated by the law, or
+    over a hundredth of the initial kinetic energy as long as that is more.
+    """
+
+    time: Time
+    step: Count
+    time_step: Time  # that the method took last
+    length: Length
+    contact_radius: Length  # of what is on the wall, or lowest; see ``gauges``
+    impact_face_radius: Length  # of the lowest layer of material
+    greatest_radius: Length
+    lowest_point: Length
+    highest_point: Length
+    widest_point: Length
+    velocity: Speed  # of the centre of mass, along z
+    momentum: Impulse  # along z
+    wall_force: Force  # along z, mean since the row before
+    wall_impulse: Impulse  # along z, since the start
+    momentum_error: Impulse  # greatest component of momentum gained less impulse received
+    kinetic: Energy
+    stored: Energy
+    dissipated: Energy  # by the law
+    hypoelastic: Energy  # taken by the law (below zero: given) as volume changes under shear; it has no potential
+    viscous: Energy  # by the bulk viscosity
+    hourglass: Energy  # taken by the control of hourglass modes (FEM)
+    eroded: Energy  # stored in elements when they were deleted (FEM)
+    contact: Energy  # taken by the wall's normal impulse
+    friction: Energy  # taken by the wall's tangential impulse
+    numerical: Energy  # the remainder
+    hourglass_share: Percent
+    lost: Count  # points that left the box (MPM), elements deleted (FEM)
+    lost_mass: Mass  # of those
+
+
+UNITS: dict[str, str] = {name: hint.__metadata__[0] for name, hint in get_type_hints(Row, include_extras=True).items()}
+
+
+def row_of(values: Sequence[float]) -> Row:
+    """Return a row of numbers that were one; raise ``ValueError`` if they were not."""
+    return Row._make(kind(value) for kind, value in zip(_KINDS, values, strict=True))
+
+
+MEASURED = Gauges._fields  # not a number where a point that they need was lost
+LEAST_INTERNAL = 0.01  # of the initial kinetic energy, of which ``hourglass_share`` is at least taken
+_KINDS = [int if unit == "1" else float for unit in UNITS.values()]
+
+
+class Ledger:
+    """Keeps the account of a run: what there was at the start, and the row before."""
+
+    def __init__(self, method: Method, surface: Surface) -> None:
+        self.method, self.surface = method, surface
+        self.start: Totals = method.totals()
+        self.internal = LEAST_INTERNAL * self.start.kinetic  # the greatest so far, mJ
+        self.before: Row = self.row(0.0, 0, 0.0)
+
+    def restore(self, start: Sequence[float], before: Sequence[float], internal: float) -> None:
+        """Take over the account of a run that was begun earlier."""
+        self.start, self.before, self.internal = Totals.of_flat(start), row_of(before), internal
+
+    def row(self, time: float, step: int, time_step: float) -> Row:
+        """Measure the method now."""
+        now, start = self.method.totals(), self.start
+        shape = measure(self.surface, self.method.positions())
+        impulse = float(now.impulse[2])
+        self.internal = max(self.internal, now.stored + now.dissipated)
+        force = (impulse - self.before.wall_impulse) / (time - self.before.time) if step else 0.0
+        row = Row(
+            time, step, time_step, *shape,
+            velocity=float(now.momentum[2]) / now.mass,
+            momentum=float(now.momentum[2]),
+            wall_force=force,
+            wall_impulse=impulse,
+            momentum_error=float(abs(now.momentum - start.momentum - now.impulse).max()),
+            kinetic=now.kinetic, stored=now.stored, dissipated=now.dissipated,
+            hypoelastic=now.hypoelastic, viscous=now.viscous, hourglass=now.hourglass, eroded=now.eroded,
+            contact=now.contact, friction=now.friction,
+            numerical=start.energy - now.energy,
+            hourglass_share=100.0 * now.hourglass / self.internal,
+            lost=self.method.lost(),
+            lost_mass=self.method.lost_mass(),
+        )  # fmt: skip
+        self.before = row
+        return row

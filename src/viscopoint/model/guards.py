@@ -1,0 +1,88 @@
+"""What stops a run that has gone wrong, and how it says so."""
+
+import math
+
+from viscopoint.case.tables import Guards
+from viscopoint.errors import ViscopointError
+from viscopoint.model.energy_balance import MEASURED, Row
+from viscopoint.model.method import Method, Totals
+
+ROUNDING = 1e-9  # of sums of masses: all that there is is no more than 100 %
+
+
+class GuardError(ViscopointError):
+    """A guard stopped the run; what was computed so far is kept."""
+
+
+def check_row(row: Row, start: Totals, limits: Guards, method: Method) -> None:
+    """Stop if a quantity is not finite, the energy ledger does not close, or too much is lost or taken by hourglassing.
+
+    Args:
+        row: to check.
+        start: energies and mass at the start.
+        limits: what the case allows.
+        method: what moves the body.
+    """
+    _check_finite(row, method)
+    initial = start.kinetic + start.stored
+    share = row.numerical / initial
+    if abs(share) > limits.energy_error:
+        gone, cause = ("lost", method.advice.dissipating) if share > 0.0 else ("gained", method.advice.gaining)
+        raise _stopped(
+            row.time,
+            f"the energy ledger does not close: {gone} {100 * abs(share):.1f} % of the initial kinetic energy "
+            f"(guards.energy_error allows {100 * limits.energy_error:g} %)",
+            cause,
+        )
+    if max(row.lost_mass / start.mass, row.eroded / initial) > limits.lost_share * (1.0 + ROUNDING):
+        stored = f" and {100 * row.eroded / initial:.2g} % of the initial energy" if row.eroded else ""
+        allowed = f" (guards.lost_share allows {100 * limits.lost_share:g} %)"
+        raise _stopped(row.time, lost_in_words(row, start.mass, method) + stored + allowed, method.advice.lost)
+    if row.hourglass_share > 100 * limits.hourglass_share:
+        raise _stopped(
+            row.time,
+            f"hourglass control took {row.hourglass_share:.1f} % of the internal energy "
+            f"(guards.hourglass_share allows {100 * limits.hourglass_share:g} %)",
+            method.advice.hourglassing,
+        )
+
+
+def is_finite(row: Row) -> bool:
+    """Return whether a row holds numbers, but for lengths where points were lost."""
+    return _not_finite(row) is None
+
+
+def lost_in_words(row: Row, mass: float, method: Method) -> str:
+    """Say what left the box or was deleted, of a body of some mass [g]."""
+    return f"{row.lost} {method.advice.losses}, {100 * row.lost_mass / mass:.3g} % of the mass"
+
+
+def _check_finite(row: Row, method: Method) -> None:
+    if name := _not_finite(row):
+        cause = method.advice.lost if row.lost else method.advice.unstable
+        raise _stopped(row.time, f"{name} is not finite", cause)
+
+
+def _not_finite(row: Row) -> str | None:
+    """Return the first quantity that is not finite and should be."""
+    excused = MEASURED if row.lost else ()
+    quantities = zip(row._fields, row, strict=True)
+    return next((name for name, value in quantities if not math.isfinite(value) and name not in excused), None)
+
+
+def check_step(time: float, first: float, limits: Guards, method: Method) -> None:
+    """Stop if the stable step [ms] collapsed or is not a number."""
+    step = method.stable_step()
+    if step >= limits.smallest_step * first:
+        return
+    weakest = method.weakest()
+    raise _stopped(
+        time,
+        f"the stable step fell to {step * 1e3:.3g} us, from {first * 1e3:.3g} us at the start "
+        f"(guards.smallest_step allows a fall to {limits.smallest_step:g} of it)" + (f"; {weakest}" if weakest else ""),
+        method.advice.collapsed,
+    )
+
+
+def _stopped(time: float, what: str, cause: str) -> GuardError:
+    return GuardError(f"stopped at t = {time * 1e3:.4g} us: {what}. Likely cause: {cause}.")

@@ -76,7 +76,7 @@ VARIANTS: dict[str, list[dict[str, Any]]] = {
     "fem axisymmetric selective": [{"precision": "single"}],
 }
 IMPACTS: dict[str, dict[str, Any]] = {
-    "friction 0.3": {"impact.friction": 0.3},
+    "friction 0.1": {"impact.friction": 0.1},
     "no-separation": {"impact.wall": "no-separation", "impact.gap": "0 mm"},
 }
 LOOSE = {"guards.energy_error": 0.5, "guards.lost_share": 1.0, "guards.hourglass_share": 10.0, "guards.mass_error": 0.5}

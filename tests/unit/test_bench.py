@@ -17,7 +17,7 @@ from viscopoint.bench.work import MATERIALS, PAPER_LAW, VARIANTS, Work, case_of,
 from viscopoint.case.case import Case
 from viscopoint.command_line.cli import app
 from viscopoint.command_line.terminal import progress
-from viscopoint.kernels.arrays import Rows
+from viscopoint.kernels.arrays import AnyArray
 from viscopoint.model.build import build
 from viscopoint.model.method import Method
 
@@ -94,7 +94,7 @@ def test_bytes_of_a_step_are_those_of_the_arrays_that_passes_name():
 def test_bytes_held_count_an_array_once():
     class Two:
         def __init__(self) -> None:
-            self.first: Rows = np.zeros((10, 3))
+            self.first: AnyArray = np.zeros((10, 3))
             self.second = self.first
 
     assert bytes_held(Two()) == 240

@@ -119,7 +119,7 @@ def end_of(hostile: Hostile) -> End:
         outcome = simulation.run()
     except Exception as error:  # whatever it is, it is a finding
         return End(FAILED, repr(error), seen[0])
-    brought = float(np.linalg.norm(simulation.ledger.start.momentum))
+    brought = float(np.linalg.norm(simulation.balance.start.momentum))
     energy, momentum = outcome.energy_error, outcome.momentum_error / brought
     seconds = clock.perf_counter() - began
     if outcome.status == "complete":

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from viscopoint.kernels.arrays import Rows
+from viscopoint.kernels.arrays import AnyArray
 
 
 class Pass(NamedTuple):
@@ -22,87 +22,84 @@ class Pass(NamedTuple):
     writes: str
 
 
-_LAW = "{0}.jacobian {0}.stress {0}.history {0}.dissipated {0}.hypoelastic {0}.viscous_pressure {0}.viscous_loss"
-_POINT_LAW, _ELEMENT_LAW = _LAW.format("points"), _LAW.format("elements")
+_MATERIAL = (
+    "{0}.material.stress {0}.material.history {0}.material.dissipated {0}.material.hypoelastic "
+    "{0}.shared.jacobian {0}.shared.viscous_pressure {0}.shared.viscous_loss"
+)
+_OF_POINTS, _OF_ELEMENTS = _MATERIAL.format("points"), _MATERIAL.format("elements")
 
-# MUSL and FLIP, every point its own volume, nodes in contact (``mpm.schemes.musl``)
+# MUSL and FLIP, every point its own volume, nodes in contact (``mpm.schemes``)
 _MPM = (
-    Pass("forget", "", "grid.momentum"),
-    Pass("forget", "", "grid.change"),
+    Pass("zero", "", "grid.momentum"),
+    Pass("zero", "", "grid.change"),
     Pass(
         "scatter_momentum_and_force",
-        "grid.order points.position points.stretch points.stress points.viscous_pressure points.jacobian points.volume "
-        "points.mass points.velocity points.affine grid.momentum grid.change",
+        "grid.order points.position points.stretch points.material.stress points.shared.viscous_pressure "
+        "points.shared.jacobian points.volume points.mass points.velocity points.affine grid.momentum grid.change",
         "grid.momentum grid.change",
     ),
     Pass("solve", "grid.momentum grid.change", "grid.velocity grid.change"),
-    Pass("forget", "", "grid.momentum"),
+    Pass("zero", "", "grid.momentum"),
     Pass(
         "gather_velocity_and_remap",
         "grid.order points.position points.stretch points.mass points.velocity grid.velocity grid.change grid.momentum",
-        "points.velocity points.drift points.affine grid.momentum",
+        "points.velocity points.grid_velocity points.affine grid.momentum",
     ),
     Pass("divide", "grid.momentum", "grid.velocity"),
     Pass(
         "update_points",
-        f"grid.order points.position points.stretch points.velocity grid.velocity {_POINT_LAW}",
-        f"points.stretch {_POINT_LAW}",
+        f"grid.order points.position points.stretch points.velocity grid.velocity {_OF_POINTS}",
+        f"points.stretch {_OF_POINTS}",
     ),
-    Pass("move", "grid.order points.position points.drift", "points.position"),
+    Pass("move", "grid.order points.position points.grid_velocity", "points.position"),
     Pass("find_slabs", "points.position", "grid.slab"),
     Pass("sort_by_slab", "grid.slab", "grid.order"),
 )
 
-# velocity Verlet, every cell its dilatation (``tlmpm.method``)
-_KICK = Pass("kick", "nodes.velocity nodes.force nodes.mass nodes.upright nodes.fixed", "nodes.velocity")
+# central differences (``integrators``)
+_KICK = Pass("kick", "nodes.velocity nodes.force nodes.mass nodes.inverse_mass nodes.normal_mass", "nodes.velocity")
+_DRIFT = Pass("drift", "nodes.position nodes.velocity", "nodes.position nodes.force")
 _TLMPM = (
     _KICK,
-    Pass("meet", "nodes.upright nodes.position nodes.velocity nodes.pressed", "nodes.pressed"),
-    Pass("move", "nodes.position nodes.velocity nodes.pressed nodes.upright", "nodes.position"),
+    Pass("meet", "nodes.normal_mass nodes.position nodes.velocity", "nodes.pressed"),
+    _DRIFT,
     Pass(
-        "carry out",
+        "multiply out",
         "extension.out.start extension.out.column extension.out.value nodes.velocity",
         "lattice.velocity",
     ),
-    Pass("forget force", "", "lattice.force"),
+    Pass("zero force", "", "lattice.force"),
     Pass(
         "strain_points",
         "lattice.order points.reference points.position points.volume points.deformation lattice.velocity "
-        f"lattice.cells lattice.force {_POINT_LAW}",
-        f"points.position points.deformation lattice.force {_POINT_LAW}",
+        f"lattice.cells lattice.force {_OF_POINTS}",
+        f"points.position points.deformation lattice.force {_OF_POINTS}",
     ),
     Pass(
-        "carry back",
+        "multiply back",
         "extension.back.start extension.back.column extension.back.value lattice.force",
         "nodes.force",
     ),
     _KICK,
-    Pass("meet", "nodes.upright nodes.velocity nodes.pressed", ""),
+    Pass("stand_still", "nodes.normal_mass", ""),
 )
-
-# velocity Verlet (``fem.method``)
-_SET_OFF = Pass(
-    "set_off",
-    "nodes.position nodes.velocity nodes.force nodes.mass nodes.fixed",
-    "nodes.position nodes.velocity nodes.force nodes.pressed",
+_STRAIN_READS = (
+    "slabs.order elements.shared.alive elements.corner elements.volume nodes.position nodes.velocity nodes.force "
+    f"{_OF_ELEMENTS}"
 )
-_ARRIVE = Pass("arrive", "nodes.velocity nodes.force nodes.mass nodes.fixed nodes.pressed", "nodes.velocity")
-_ANSWER_READS = (
-    "slabs.order elements.alive elements.corner elements.volume nodes.position nodes.velocity nodes.force "
-    f"{_ELEMENT_LAW}"
-)
-_ANSWER_WRITES = f"nodes.force {_ELEMENT_LAW}"
-_HOURGLASS = "elements.memory elements.hourglass_work"
+_STRAIN_WRITES = f"nodes.force {_OF_ELEMENTS}"
+_HOURGLASS = "elements.hourglass_force elements.hourglass_work"
 
 PASSES: dict[str, tuple[Pass, ...]] = {
     "mpm": _MPM,
     "tlmpm": _TLMPM,
     "fem, one-point": (
-        _SET_OFF,
-        Pass("strain_one_point", f"{_ANSWER_READS} {_HOURGLASS}", f"{_ANSWER_WRITES} {_HOURGLASS}"),
-        _ARRIVE,
+        _KICK,
+        _DRIFT,
+        Pass("strain_one_point", f"{_STRAIN_READS} {_HOURGLASS}", f"{_STRAIN_WRITES} {_HOURGLASS}"),
+        _KICK,
     ),
-    "fem, selective": (_SET_OFF, Pass("strain_selective", _ANSWER_READS, _ANSWER_WRITES), _ARRIVE),
+    "fem, selective": (_KICK, _DRIFT, Pass("strain_selective", _STRAIN_READS, _STRAIN_WRITES), _KICK),
 }
 
 
@@ -117,13 +114,13 @@ def bytes_held(method: Any) -> int:
     return sum({array.ctypes.data: array.nbytes for array in arrays_of(method).values()}.values())
 
 
-def arrays_of(method: Any) -> dict[str, Rows]:
+def arrays_of(method: Any) -> dict[str, AnyArray]:
     """Return all arrays of a method by dotted names, such as "points.stress"."""
     return dict(_named("", vars(method)))
 
 
-def _named(prefix: str, values: Mapping[str, Any]) -> list[tuple[str, Rows]]:
-    found: list[tuple[str, Rows]] = []
+def _named(prefix: str, values: Mapping[str, Any]) -> list[tuple[str, AnyArray]]:
+    found: list[tuple[str, AnyArray]] = []
     for name, value in values.items():
         if isinstance(value, np.ndarray):
             found.append((prefix + name, value))

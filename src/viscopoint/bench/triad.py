@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 
 import numba
 import numpy as np
-from numba import prange
 
 from viscopoint.bench.facts import last_cache
 from viscopoint.bench.record import Spread, Triad
 from viscopoint.kernels.arrays import Array
-from viscopoint.kernels.jit import kernel
+from viscopoint.kernels.jit import PARTS, kernel
+from viscopoint.kernels.slabs import chunk
 from viscopoint.model import memory
 
 CACHES = 4  # last-level caches to an array, as STREAM asks
@@ -19,17 +19,17 @@ SHARE = 1 / 48  # of the machine's memory that an array may take
 MOVED = 24  # bytes of an element: two read, one written, as STREAM counts
 
 
-@kernel
-def fill(a: Array, b: Array, c: Array) -> None:
+@kernel()
+def fill(part: int, a: Array, b: Array, c: Array) -> None:
     """Let each thread be the first to touch what it will use."""
-    for n in prange(len(a)):
+    for n in chunk(part, PARTS, len(a)):
         a[n], b[n], c[n] = 0.0, 1.0, 2.0
 
 
-@kernel
-def triad(a: Array, b: Array, c: Array, s: float) -> None:
+@kernel()
+def triad(part: int, a: Array, b: Array, c: Array, s: float) -> None:
     """Set a = b + s c."""
-    for n in prange(len(a)):
+    for n in chunk(part, PARTS, len(a)):
         a[n] = b[n] + s * c[n]
 
 

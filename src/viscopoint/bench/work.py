@@ -32,7 +32,7 @@ Variant = tuple[str, str]  # method; shape function or element
 VARIANTS: tuple[Variant, ...] = (
     *product(("mpm",), SHAPES),
     *product(("tlmpm",), NODAL),
-    *product(("fem",), ELEMENTS["3d"]),
+    *product(("fem",), ELEMENTS),
 )
 USUAL: tuple[Variant, ...] = (("mpm", "trilinear"), ("tlmpm", "trilinear"), ("fem", "one-point"))
 HEADLINE: tuple[Variant, ...] = (*USUAL, ("mpm", "quadratic"), ("fem", "selective"))

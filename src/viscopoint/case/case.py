@@ -14,7 +14,7 @@ import viscopoint.materials  # noqa: F401  (its modules declare the materials)
 from viscopoint.arguments import checked
 from viscopoint.case.explain import explain, valid_values
 from viscopoint.case.rules import broken
-from viscopoint.case.tables import Guards, Impact, Material, MethodInput, Output, Rod, Table, Time, Title
+from viscopoint.case.tables import Guards, Impact, MaterialInput, MethodInput, Output, Rod, Table, Time, Title
 from viscopoint.errors import MOST_FAULTS, CaseError, Fault, InputError, nearest
 from viscopoint.methods.fem.inputs import FEMInput
 from viscopoint.methods.mpm.inputs import MPMInput
@@ -29,7 +29,7 @@ CHOICES = ("law", "name")  # keys that say what else is in their table
 SHARED = {"bulk_viscosity", "geometry", "precision"}  # keys of [method] that another method takes over
 
 
-def _materials(base: type[Material] = Material) -> Iterator[type[Material]]:
+def _materials(base: type[MaterialInput] = MaterialInput) -> Iterator[type[MaterialInput]]:
     """Yield the tables of all laws."""
     for derived in base.__subclasses__():
         if "law" in derived.model_fields:

@@ -12,13 +12,13 @@ from pydantic_core import PydanticCustomError
 from viscopoint.case.rules import rule
 from viscopoint.case.units import Duration, Gap, Instant, Length, Speed
 from viscopoint.errors import nearest
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import RigidPlane, SymmetryPlane, wall
 from viscopoint.kernels.arrays import PRECISIONS
 from viscopoint.messages import one_line, unseen
 from viscopoint.model.viscosity import BulkViscosity
 
 if TYPE_CHECKING:
-    from viscopoint.materials import Law
+    from viscopoint.materials import Material
     from viscopoint.model.body import Body
     from viscopoint.model.memory import Need
     from viscopoint.model.method import Method
@@ -33,12 +33,12 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-class Material(Table):
-    """The ``[material]`` table; each law derives its own, with ``law: Literal["its-name"]``."""
+class MaterialInput(Table):
+    """The ``[material]`` table; each material derives its own, with ``law: Literal["its-name"]``."""
 
     @abstractmethod
     def build(self) -> Any:
-        """Return the law's parameters."""
+        """Return the material's parameters."""
 
 
 def one_of(names: Iterable[str]) -> Any:
@@ -113,7 +113,7 @@ class MethodInput(Table):
         """Return the rod's points, and cells if the method has any."""
 
     @abstractmethod
-    def build(self, rod: "Rod", impact: "Impact", law: "Law") -> "Method":
+    def build(self, rod: "Rod", impact: "Impact", material: "Material") -> "Method":
         """Return the rod on its way to the wall."""
 
 
@@ -149,10 +149,12 @@ class Impact(Table):
     friction: float = Field(default=0.0, ge=0, le=10)
     wall: Annotated[Literal["rigid", "no-separation"], BeforeValidator(_names_the_wall)] = "rigid"
 
-    def boundary(self) -> RigidWall | Symmetry:
+    def boundary(self) -> RigidPlane | SymmetryPlane:
         """Return what the rod hits: an anvil that it can leave, or rollers that hold its impact face for good."""
         height = 0.0 - self.gap  # not the negative zero
-        return RigidWall(height, self.friction) if self.wall == "rigid" else Symmetry(2, height)
+        if self.wall == "rigid":
+            return wall(height, self.friction)
+        return SymmetryPlane((0.0, 0.0, height), (0.0, 0.0, 1.0))
 
 
 @rule("impact.wall", "impact.gap", "impact.friction")

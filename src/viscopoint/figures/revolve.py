@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.methods.fem.section import EDGES
+from viscopoint.methods.fem.section import outer_edges
 from viscopoint.model.body import Body, spacing
 
 AROUND = 48  # turns of what is drawn as faces
@@ -32,7 +32,7 @@ def turned(vectors: Array, angle: Array) -> Array:
 
 def mantle(body: Body, cells: Indices) -> Revolved:
     """Return what shows of quadrilaterals ``cells[e, 4]`` that turn: the surfaces that their outer edges sweep."""
-    edges = outer_edges(body, cells)
+    edges = edges_off_axis(body, cells)
     nodes = np.unique(edges)
     points, angle = turns(nodes, AROUND)
     return Revolved(points, angle, swept(np.searchsorted(nodes, edges), len(nodes), AROUND))
@@ -70,9 +70,7 @@ def surface_points(body: Body, coarser: int = 1) -> Revolved:
     return Revolved(np.repeat(points, counts), angle, NONE)
 
 
-def outer_edges(body: Body, cells: Indices) -> Indices:
+def edges_off_axis(body: Body, cells: Indices) -> Indices:
     """Return the edges ``[f, 2]`` off the axis that belong to one quadrilateral only; the body is to their left."""
-    edges = np.concatenate([cells[:, edge] for edge in EDGES])
-    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
-    edges = edges[np.sort(first[count == 1])]
+    edges = outer_edges(cells)
     return edges[(body.position[edges, 0] > 0.0).any(axis=1)]  # on the axis they sweep nothing

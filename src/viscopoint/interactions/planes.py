@@ -1,47 +1,93 @@
-"""What stands around the body: the rigid anvil, and planes of symmetry."""
+"""Planes that act on bodies: rigid walls, planes of symmetry, and pistons of prescribed motion.
 
-import math
-from typing import Any, NamedTuple
+Each says how far it lets nodes move, as rows of one system (``interactions.rows``); what acts on nodes of a mesh or of
+a total Lagrangian grid is ``interactions.on_nodes``, what acts on a grid that lives for one step is the grid's.
+"""
 
-from viscopoint.kernels.jit import generic, implements
+from typing import NamedTuple, Protocol
 
-TALLY = 5  # what a boundary does: impulse x, y, z [N ms]; work of the normal and of the tangential impulse [mJ]
+Triple = tuple[float, float, float]
 
 
-class RigidWall(NamedTuple):
-    """An infinite rigid plane z = height below the body: it pushes, rubs (Coulomb) and lets go without adhesion."""
+class Plane(NamedTuple):
+    """What kernels know of a plane; the body is on the side to which the normal points."""
 
-    height: float  # mm
+    point: Triple  # mm
+    normal: Triple  # a unit vector
+    speed: float  # along the normal, mm/ms
     friction: float  # Coulomb coefficient
+    two_sided: bool  # nothing leaves it
 
 
-class Symmetry(NamedTuple):
-    """A plane normal to an axis that nothing crosses or leaves, free to slide on: rollers, or a mirror."""
+class Interaction(Protocol):
+    """What acts on a body from outside."""
 
-    axis: int  # 0, 1, 2 for x, y, z
-    position: float  # mm
+    @property
+    def plane(self) -> Plane:
+        """What kernels know of it."""
+        ...
 
-
-@generic
-def held(boundary: Any, vx: float, vy: float, vz: float) -> tuple[float, float, float]:
-    """Return the velocity that a boundary leaves to what touches it and would move at (vx, vy, vz)."""
-    raise NotImplementedError
-
-
-@implements(held, RigidWall)
-def pushed(wall: RigidWall, vx: float, vy: float, vz: float) -> tuple[float, float, float]:
-    if vz >= 0.0:
-        return vx, vy, vz
-    sliding = math.sqrt(vx * vx + vy * vy)
-    # Coulomb: the tangential impulse is at most friction times the normal one, -vz, and only stops
-    kept = max(0.0, 1.0 + wall.friction * vz / sliding) if sliding > 0.0 else 1.0
-    return kept * vx, kept * vy, 0.0
+    @property
+    def holds(self) -> bool:
+        """Whether it acts, from the start and for good, on the nodes that stand on it, and on no others."""
+        ...
 
 
-@implements(held, Symmetry)
-def mirrored(plane: Symmetry, vx: float, vy: float, vz: float) -> tuple[float, float, float]:
-    return (
-        0.0 if plane.axis == 0 else vx,
-        0.0 if plane.axis == 1 else vy,
-        0.0 if plane.axis == 2 else vz,
-    )
+class RigidPlane(NamedTuple):
+    """A rigid wall: it pushes, rubs (Coulomb) and separates freely."""
+
+    point: Triple  # mm
+    normal: Triple  # a unit vector, into the body
+    friction: float = 0.0  # Coulomb coefficient
+
+    @property
+    def plane(self) -> Plane:
+        return Plane(self.point, self.normal, 0.0, self.friction, False)
+
+    @property
+    def holds(self) -> bool:
+        return False
+
+
+class SymmetryPlane(NamedTuple):
+    """A plane that nothing crosses or leaves, free to slide on: rollers, or a mirror."""
+
+    point: Triple  # mm
+    normal: Triple  # a unit vector
+
+    @property
+    def plane(self) -> Plane:
+        return Plane(self.point, self.normal, 0.0, 0.0, True)
+
+    @property
+    def holds(self) -> bool:
+        return True
+
+
+class MovingPlane(NamedTuple):
+    """A plane that takes the material on it along at a prescribed speed, free to slide on: a piston that grips."""
+
+    point: Triple  # at the start, mm
+    normal: Triple  # a unit vector
+    speed: float  # along the normal, mm/ms
+
+    @property
+    def plane(self) -> Plane:
+        return Plane(self.point, self.normal, self.speed, 0.0, True)
+
+    @property
+    def holds(self) -> bool:
+        return True
+
+
+def wall(height: float, friction: float = 0.0) -> RigidPlane:
+    """Return a horizontal wall below the body."""
+    return RigidPlane((0.0, 0.0, height), (0.0, 0.0, 1.0), friction)
+
+
+def symmetry(axis: int, position: float) -> SymmetryPlane:
+    """Return a plane of symmetry normal to an axis (0, 1, 2 for x, y, z)."""
+    along = [0.0, 0.0, 0.0]
+    along[axis] = 1.0
+    x, y, z = (position * part for part in along)
+    return SymmetryPlane((x, y, z), (along[0], along[1], along[2]))

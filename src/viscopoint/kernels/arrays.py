@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Rows = NDArray[Any]
+AnyArray = NDArray[Any]
 Real = type[Any]  # one of ``PRECISIONS``
 
 PRECISIONS: dict[str, Real] = {"double": np.float64, "single": np.float32}  # of what points and elements keep

@@ -1,195 +1,80 @@
-"""Where compiled kernels are kept: in folders that nobody else can have written to.
+"""Compiled code on the disk: one file for each kernel and each combination of types it was compiled for.
 
-Numba's files of compiled code are pickles: who reads one runs whatever its author wanted.
+Numba's own files of code go stale by the line numbers and the text of the file in which a kernel stands, and two
+processes that compile one kernel at once can list one file for both. Here the folder says what the code was made of
+(``cache_folder``) and the file's name what it is: it is never stale, and whoever writes it writes the same.
 """
 
-import atexit
 import contextlib
-import functools
 import hashlib
-import json
 import os
-import shutil
-import stat
-import tempfile
-import time
-import warnings
-from collections.abc import Iterator
+import pickle
+import secrets
 from pathlib import Path
 from typing import Any
 
-import platformdirs
-from filelock import FileLock
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
 
-from viscopoint.errors import InputError, ViscopointWarning
 from viscopoint.kernels import outside
-from viscopoint.kernels.promise import promise
-from viscopoint.kernels.sources import digest
-from viscopoint.messages import one_line
+from viscopoint.kernels.cache_folder import cache_folder
+from viscopoint.kernels.launcher import start_threads
 
-VARIABLE = "VISCOPOINT_CACHE"
-UNUSED = 30 * 24 * 3600.0  # s after which compiled code of other sources is removed
-PATIENCE = 10.0  # s to wait for another process that writes compiled code; without it a kernel is compiled again
-OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+DAMAGED = (OSError, EOFError, ValueError, KeyError, IndexError, AttributeError, TypeError, pickle.UnpicklingError)
 
 
-@functools.cache
-def cache_folder() -> Path:
-    """Return the folder of compiled kernels, named after a hash of the sources and of what else changes their code.
+class Cache(NullCache):
+    """The files of one kernel; a full disk is no hindrance."""
 
-    Numba looks only at a kernel's own file and the processor to decide whether its cached code is stale; a law in
-    another file, or code of other settings of the compiler, would be run stale. A folder per state cannot be. It is in
-    the folder that the environment variable ``VISCOPOINT_CACHE`` names, else in the user's cache folder. One that
-    cannot be written, or that others could have written to, is told and not used; without any, there is a private one
-    among temporary files until the process ends.
-    """
-    given, usual = os.environ.get(VARIABLE), platformdirs.user_cache_path("viscopoint")
-    refused: list[str] = []
-    for parent in (*([Path(given)] if given else []), usual):
-        try:
-            folder = _opened(parent)
-        except OSError as error:
-            refused.append(f"{parent} ({error.strerror or error})")
-        except _UnsafeError as error:
-            refused.append(f"{parent} ({error})")
-        else:
-            if refused:
-                _warn(refused, f"{usual} is used instead")
-            return folder
-    private = _private()
-    _warn(refused, f"compiled code is kept in {private} until the end of the process, and then compiled again")
-    return private
+    def __init__(self, function: Any, with_outside: bool = False) -> None:
+        """Take the files of a function; ``with_outside`` says that it runs code from outside the package."""
+        self._name = f"{function.__module__}.{function.__qualname__}"
+        self._outside = with_outside or outside.is_outside(function)
 
-
-class _UnsafeError(Exception):
-    """Somebody else could have put code there."""
-
-
-def _warn(refused: list[str], instead: str) -> None:
-    told = one_line(f"cache folder {' and '.join(refused)}: not used; {instead}; {VARIABLE} can name another folder")
-    warnings.warn(told, ViscopointWarning, stacklevel=2)
-
-
-def _name() -> str:
-    state = json.dumps([digest(), promise()], sort_keys=True)
-    return f"kernels-{hashlib.sha256(state.encode()).hexdigest()[:16]}"
-
-
-def _opened(parent: Path) -> Path:
-    """Return our folder in a parent, made if missing; raise ``OSError`` or ``_UnsafeError`` if it cannot serve."""
-    folder = Path(os.path.realpath(parent), _name())  # links may be led elsewhere after we have looked
-    _check_way(folder.parent)
-    if not os.path.lexists(folder):
-        _forget_unused(folder.parent)
-        _make(folder)
-        _check_way(folder.parent)  # somebody may have been faster
-    _check_inside(folder)
-    with tempfile.TemporaryFile(dir=folder):
-        os.utime(folder)  # used today
-    return folder
-
-
-def _make(folder: Path) -> None:
-    """Make a folder, and those above it that are missing, for us alone."""
-    missing = [place for place in (folder, *folder.parents) if not place.exists()]
-    for place in reversed(missing):
-        place.mkdir(mode=0o700, exist_ok=True)
-
-
-def _check_way(parent: Path) -> None:
-    """Raise ``_UnsafeError`` if somebody but us and root could exchange a folder on the way."""
-    for place in (parent, *parent.parents):
-        with contextlib.suppress(FileNotFoundError):
-            status = place.stat()
-            sticky = stat.S_ISDIR(status.st_mode) and status.st_mode & stat.S_ISVTX
-            _check(place, status, owners=(0,), mode=0 if sticky else OTHERS_WRITE)
-
-
-def _check_inside(folder: Path) -> None:
-    """Raise ``_UnsafeError`` if our folder, or something in it, is not ours alone."""
-    _check(folder, folder.lstat())
-    for place, folders, files in os.walk(folder):
-        for name in (*folders, *files):
-            with contextlib.suppress(FileNotFoundError):  # another process put its file into place
-                _check(Path(place, name), Path(place, name).lstat())
-
-
-def _check(place: Path, status: os.stat_result, owners: tuple[int, ...] = (), mode: int = OTHERS_WRITE) -> None:
-    if not hasattr(os, "geteuid"):  # a system of other rights
-        return
-    if stat.S_ISLNK(status.st_mode):
-        raise _UnsafeError(f"{place} is a link")
-    if status.st_uid not in (os.geteuid(), *owners):
-        raise _UnsafeError(f"{place} belongs to user {status.st_uid}")
-    if status.st_mode & mode:
-        raise _UnsafeError(f"others can write to {place}; chmod go-w mends that")
-
-
-def _private() -> Path:
-    """Return a new folder that goes with this process; those that it starts use it too.
-
-    Raises:
-        InputError: others could exchange it, even there.
-    """
-    try:
-        _check_way(Path(os.path.realpath(tempfile.gettempdir())))
-    except _UnsafeError as error:
-        told = f"no folder for compiled code is safe: {error}; {VARIABLE} can name one that is yours alone"
-        raise InputError(told) from None
-    folder, maker = Path(tempfile.mkdtemp(prefix="viscopoint-")), os.getpid()
-
-    def remove() -> None:
-        if os.getpid() == maker:  # and no copy of it
-            shutil.rmtree(folder, ignore_errors=True)
-
-    atexit.register(remove)
-    os.environ[VARIABLE] = str(folder)
-    return folder
-
-
-def _forget_unused(parent: Path) -> None:
-    """Remove the kernels of states of the sources that nobody ran for long."""
-    for folder in parent.glob("kernels-" + 16 * "[0-9a-f]"):
-        with contextlib.suppress(OSError):
-            if time.time() - folder.stat().st_mtime > UNUSED:
-                shutil.rmtree(folder)
-
-
-class _Files(IndexDataCacheFile):
-    """Numba's files of one kernel, for us alone."""
-
-    @contextlib.contextmanager
-    def _open_for_write(self, filepath: str) -> Iterator[Any]:
-        with super()._open_for_write(filepath) as file:
-            if hasattr(os, "fchmod"):
-                os.fchmod(file.fileno(), 0o600)
-            yield file
-
-
-class Cache(FunctionCache):
-    """Numba's cache of one kernel, safe when processes write at once, and no hindrance when the disk is full.
-
-    Numba takes the next free number for a file of code, lists it and then writes it: two processes that compile a
-    kernel for different arguments at once could list one number for both.
-    """
-
-    def __init__(self, function: Any) -> None:
-        super().__init__(function)
-        impl: Any = self._impl
-        self._cache_file = _Files(self.cache_path, impl.filename_base, impl.locator.get_source_stamp())
-        Path(self.cache_path).chmod(0o700)
-        self._outside = outside.is_outside(function)
+    @property
+    def cache_path(self) -> str:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """The folder, for Numba's statistics."""
+        return str(cache_folder())
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return compiled code, if it is there and made of the package's sources alone."""
-        return None if self._takes_part(sig) else super().load_overload(sig, target_context)
+        file = self._file(sig)
+        if file is None or not file.exists():
+            return None
+        target_context.refresh()
+        start_threads()  # whose functions the code calls
+        try:
+            return CompileResult._rebuild(target_context, *pickle.loads(file.read_bytes()))
+        except DAMAGED:
+            return None
 
-    def save_overload(self, sig: Any, data: Any) -> None:
+    def save_overload(self, sig: Any, cres: Any) -> None:
         """Keep compiled code, if it is made of the package's sources alone."""
-        if not self._takes_part(sig):
-            with contextlib.suppress(OSError), FileLock(cache_folder() / ".lock", PATIENCE, mode=0o600):
-                super().save_overload(sig, data)
+        file = self._file(sig)
+        if file is None:
+            return
+        part = file.with_suffix(f".{secrets.token_hex(4)}.part")
+        with contextlib.suppress(OSError):
+            try:
+                with os.fdopen(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600), "wb") as stream:
+                    stream.write(dumps(cres._reduce()))
+                part.replace(file)
+            finally:
+                part.unlink(missing_ok=True)
 
-    def _takes_part(self, types: Any) -> bool:
-        return self._outside or outside.takes_part(types)
+    def _file(self, sig: Any) -> Path | None:
+        """Return where the code for some types is kept; None if other sources than the package's are part of it."""
+        kinds = sig if isinstance(sig, tuple) else sig.args
+        if self._outside or outside.takes_part(kinds):
+            return None
+        key = hashlib.sha256("; ".join(map(_words, kinds)).encode()).hexdigest()[:16]
+        return cache_folder() / f"{self._name}-{key}.code"
+
+
+def _words(kind: Any) -> str:
+    """Return the name of one of Numba's types; classes, which may share names, by their modules too."""
+    subject = getattr(kind, "instance_class", None)
+    own = f"{subject.__module__}.{subject.__qualname__}{getattr(subject, '_fields', '')}" if subject else str(kind)
+    parts = getattr(kind, "types", ())
+    return f"{own}({', '.join(map(_words, parts))})" if isinstance(parts, tuple) else own

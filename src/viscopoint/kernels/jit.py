@@ -2,18 +2,17 @@
 
 A few decorators cover every compiled function of the package:
 
-- ``kernel`` (and ``serial_kernel``): a loop over points or nodes, compiled once per combination of argument types and
-  kept on disk; NamedTuples go in as arguments, where Numba can hand them to threads;
+- ``kernel`` (and ``serial_kernel``): one part of a loop over points or nodes, compiled once per combination of argument
+  types and kept on disk; threads share the parts (``launcher``);
 - ``inline``: a small scalar function that kernels call, and that plain Python can call too;
 - ``generic``: an operation (``update_stress``, ``stencil``, ...) with one implementation per NamedTuple class, chosen
   by type at compile time, so that a law or a shape function is added by writing one file.
 """
 
-import contextlib
 import functools
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numba
@@ -23,9 +22,12 @@ from numba.extending import overload, register_jitable
 
 from viscopoint.errors import InputError, ViscopointError
 from viscopoint.kernels import outside
-from viscopoint.kernels.cache import Cache, cache_folder
+from viscopoint.kernels.cache import Cache
+from viscopoint.kernels.launcher import launch
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+PARTS = 24  # of the work, shared evenly if there are 1, 2, 3, 4, 6, 8, 12 or 24 threads
 
 # Threads that wait for the slowest sleep. By default they spin, and where another process works on the same cores each
 # of the dozen waits in a step lasts as long as the system's time slice: steps took a hundred times longer.
@@ -35,39 +37,44 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 # on the thread count, and what is fused is written down (``values.fma``). Division by zero gives inf or nan, which the
 # guards report, not a branch at each "/".
 OPTIONS: Any = {"fastmath": {"arcp"}, "error_model": "numpy"}
-INLINED: Any = {**OPTIONS, "forceinline": True}  # tensors stay in registers
+# Views of arrays are not counted: threads that count the references to one array wait for each other.
+INLINED: Any = {**OPTIONS, "forceinline": True, "_nrt": False}  # tensors stay in registers
+BODY: Any = {**OPTIONS, "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
-@contextlib.contextmanager
-def _own_cache() -> Iterator[None]:
-    """Point Numba at our cache folder, only while one of our kernels is being declared."""
-    settings: Any = config
-    previous = settings.CACHE_DIR
-    settings.CACHE_DIR = str(cache_folder())
-    try:
-        yield
-    finally:
-        settings.CACHE_DIR = previous
+def kernel(parts: int = PARTS, colours: int = 1) -> Callable[[F], Any]:
+    """Compile a function of one part of the work and let threads share the parts; keep the machine code on disk.
 
-
-def kernel(function: F) -> F:
-    """Compile a loop with threads over ``prange`` and keep the machine code on disk.
-
-    An array that the loop writes must have a name of its own before the loop: Numba drops stores through the
-    attribute of a NamedTuple inside ``prange`` (numba issues 5872, 7135, 10338).
+    The decorated function takes the part's number first, from 0 on; who calls it leaves that out and has all parts
+    done: those of one colour at once, one colour after the other. It must not raise, nor make arrays.
     """
-    return _compiled(function, parallel=True)
+
+    def declare(function: F) -> Any:
+        body = numba.njit(nogil=True, **BODY)(function)
+        if colours == 1:
+
+            def launch_all(*arguments: Any) -> None:
+                launch(body, 0, parts, arguments)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+
+        else:
+
+            def launch_all(*arguments: Any) -> None:
+                for colour in range(colours):
+                    launch(body, colour * parts, parts, arguments)  # pyright: ignore[reportCallIssue]
+
+        return _cached(launch_all, function)
+
+    return declare
 
 
 def serial_kernel(function: F) -> F:
     """Compile a loop too short for threads and keep the machine code on disk."""
-    return _compiled(function, parallel=False)
+    return _cached(function, function)
 
 
-def _compiled(function: Any, parallel: bool) -> Any:
-    dispatcher: Any = numba.njit(parallel=parallel, nogil=True, **OPTIONS)(function)
-    with _own_cache():
-        dispatcher._cache = Cache(function)  # what cache=True does, with a cache of our own
+def _cached(function: Any, named: Any) -> Any:
+    dispatcher: Any = numba.njit(nogil=True, **OPTIONS)(function)
+    dispatcher._cache = Cache(named)  # what cache=True does, with a cache of our own
     return dispatcher
 
 

@@ -11,28 +11,28 @@ from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import INLINED
 
 
-def load(row: Array, blank: tuple[float, ...]) -> tuple[float, ...]:
-    """Return a row of values, in double, as a tuple as long as ``blank``, a length that kernels know when compiled."""
-    return tuple(row[: len(blank)])
+def read_row(row: Array, like: tuple[float, ...]) -> tuple[float, ...]:
+    """Return a row of values, in double, as a tuple as long as ``like``, a length that kernels know when compiled."""
+    return tuple(row[: len(like)])
 
 
-def store(row: Array, values: tuple[float, ...]) -> None:
+def write_row(row: Array, values: tuple[float, ...]) -> None:
     """Put values back into their row."""
     row[: len(values)] = values
 
 
 @intrinsic
-def _load(context: Any, row: Any, blank: Any) -> Any:
+def _read(context: Any, row: Any, like: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        places = _places(context, builder, signature, values, len(blank))
+        places = _places(context, builder, signature, values, len(like))
         parts = [context.cast(builder, builder.load(place), row.dtype, types.float64) for place in places]
         return context.make_tuple(builder, signature.return_type, parts)
 
-    return types.UniTuple(types.float64, len(blank))(row, blank), lower
+    return types.UniTuple(types.float64, len(like))(row, like), lower
 
 
 @intrinsic
-def _store(context: Any, row: Any, tuple_: Any) -> Any:
+def _write(context: Any, row: Any, tuple_: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         parts = cgutils.unpack_tuple(builder, values[1])
         places = _places(context, builder, signature, values, len(parts))
@@ -49,11 +49,11 @@ def _places(context: Any, builder: Any, signature: Any, values: Any, count: int)
     return [builder.gep(row.data, [ir.Constant(ir.IntType(64), k)], inbounds=True) for k in range(count)]
 
 
-@overload(load, strict=False, jit_options=INLINED)
-def _load_row(row: Any, blank: Any) -> Any:
-    return lambda row, blank: _load(row, blank)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+@overload(read_row, strict=False, jit_options=INLINED)
+def _read_it(row: Any, like: Any) -> Any:
+    return lambda row, like: _read(row, like)  # pyright: ignore[reportCallIssue]  (an intrinsic)
 
 
-@overload(store, strict=False, jit_options=INLINED)
-def _store_row(row: Any, values: Any) -> Any:
-    return lambda row, values: _store(row, values)  # pyright: ignore[reportCallIssue]
+@overload(write_row, strict=False, jit_options=INLINED)
+def _write_it(row: Any, values: Any) -> Any:
+    return lambda row, values: _write(row, values)  # pyright: ignore[reportCallIssue]

@@ -5,17 +5,30 @@ threads add to them without atomics and every node sums its points in the same o
 """
 
 from viscopoint.kernels.arrays import Indices
-from viscopoint.kernels.jit import inline
+from viscopoint.kernels.jit import PARTS, inline
 
 COLOURS = 2
-PARTS = 24  # of the body, with as many points each; threads take the same number of them if they are 2, 3, 4, 6, 8, 12
+CHUNKS = 64  # pieces in which sums are taken, so that they do not depend on the thread count
 
 
 @inline
-def part_of(start: Indices, slabs: int, part: int, colour: int = 0, colours: int = 1) -> range:
-    """Return the slabs of a part of the body that have the ``colour``; slab s begins at ``start[s]``."""
+def chunk(part: int, parts: int, total: int) -> range:
+    """Return which of ``total`` rows are in a part of the rows."""
+    return range(part * total // parts, (part + 1) * total // parts)
+
+
+@inline
+def slabs_of(start: Indices, slabs: int, part: int) -> range:
+    """Return the slabs of a part of the body; slab s begins at ``start[s]``."""
+    return range(_border(start, slabs, part), _border(start, slabs, part + 1))
+
+
+@inline
+def coloured_slabs_of(start: Indices, slabs: int, part: int) -> range:
+    """Return the slabs of one colour of a part of the body; all parts of a colour follow one another."""
+    colour, part = part // PARTS, part % PARTS
     begin, end = _border(start, slabs, part), _border(start, slabs, part + 1)
-    return range(begin + (begin - colour) % colours, end, colours)
+    return range(begin + (begin - colour) % COLOURS, end, COLOURS)
 
 
 @inline

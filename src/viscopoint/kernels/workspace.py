@@ -3,7 +3,7 @@
 What surrounds each point is its own, so nodes are visited point by point. What happens at the point is the same
 arithmetic for all: in a loop over a block that reads and writes nothing but the workspace, where each quantity of
 ``BLOCK`` points stands in a row, the compiler takes as many points at once as a vector register holds. So a kernel
-gathers a block, computes and spreads; the law's arithmetic takes a quarter of the time.
+gathers a block, computes and scatters; the material's arithmetic takes a quarter of the time.
 """
 
 from itertools import accumulate
@@ -15,17 +15,21 @@ from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
 from viscopoint.kernels.jit import INLINED, inline
+from viscopoint.kernels.tensors import Matrix, Sym, components, read
 
 BLOCK = 64  # points
 ROW = BLOCK + 8  # numbers from one row to the next: powers of two would share few lines of the cache
-COLUMNS = 128  # numbers of a point, beside the law's history
+COLUMNS = 144  # numbers of a point, beside the material's history
 HISTORY = COLUMNS  # where that begins
 ALIGNMENT = 64  # bytes, a cache line
+SIX, NINE = (0.0,) * 6, (0.0,) * 9
 
 
 def columns(*sizes: int, first: int = 0) -> tuple[int, ...]:
     """Return where quantities of so many numbers each begin, the first at ``first``, and where the next one would."""
-    return tuple(accumulate(sizes, initial=first))
+    places = tuple(accumulate(sizes, initial=first))
+    assert places[-1] <= COLUMNS
+    return places
 
 
 class _Type(types.Type):
@@ -33,7 +37,7 @@ class _Type(types.Type):
         super().__init__(name="Workspace")
 
 
-_WORKSPACE = _Type()
+WORKSPACE = _Type()
 
 
 @register_model(_Type)
@@ -43,15 +47,19 @@ class _Model(models.PrimitiveModel):
 
 
 @intrinsic
-def _on_stack(context: Any, blank: Any) -> Any:
-    size = ROW * (COLUMNS + len(blank))
+def workspace(context: Any, n_history: Any) -> Any:
+    """Return memory for a block of points with ``COLUMNS`` numbers and ``n_history`` of history each.
+
+    It lasts as long as the function in which this stands, which must not say so in a loop.
+    """
 
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        memory = cgutils.alloca_once(builder, ir.DoubleType(), size=ir.Constant(ir.IntType(64), size))
+        numbers = builder.add(values[0], ir.Constant(values[0].type, COLUMNS))
+        memory = builder.alloca(ir.DoubleType(), builder.mul(ir.Constant(values[0].type, ROW), numbers))
         memory.align = ALIGNMENT
         return memory
 
-    return _WORKSPACE(blank), lower
+    return WORKSPACE(types.int64), lower
 
 
 @intrinsic
@@ -70,7 +78,7 @@ def widest_vectors(context: Any) -> Any:
 
 
 @intrinsic
-def _keep(context: Any, work: Any, column: Any, i: Any, value: Any) -> Any:
+def _store(context: Any, work: Any, column: Any, i: Any, value: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         kind: Any = signature.args[3]
         several = hasattr(kind, "__len__")
@@ -84,7 +92,7 @@ def _keep(context: Any, work: Any, column: Any, i: Any, value: Any) -> Any:
 
 
 @intrinsic
-def _kept(context: Any, work: Any, column: Any, i: Any, like: Any) -> Any:
+def _load(context: Any, work: Any, column: Any, i: Any, like: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         kind = signature.return_type
         if isinstance(kind, types.BaseTuple):
@@ -103,37 +111,51 @@ def _place(builder: Any, values: Any, number: int) -> Any:
     return builder.gep(work, [builder.add(first, i)], inbounds=True)
 
 
-def workspace(blank: tuple[float, ...]) -> Any:
-    """Return memory for a block of points with ``COLUMNS`` numbers and a history as long as ``blank`` each."""
-    raise NotImplementedError
-
-
-def keep(work: Any, column: int, i: int, value: Any) -> None:
+def store(work: Any, column: int, i: int, value: Any) -> None:
     """Store a number, or a tuple of numbers, of the block's point i."""
     raise NotImplementedError
+
+
+def load_tuple(work: Any, column: int, i: int, like: Any) -> Any:
+    """Return a tuple of numbers, as long as ``like``, of the block's point i."""
+    raise NotImplementedError
+
+
+@overload(store, strict=False, jit_options=INLINED)
+def _store_it(work: Any, column: Any, i: Any, value: Any) -> Any:
+    return lambda work, column, i, value: _store(work, column, i, value)  # pyright: ignore[reportCallIssue]
+
+
+@overload(load_tuple, strict=False, jit_options=INLINED)
+def _load_as(work: Any, column: Any, i: Any, like: Any) -> Any:
+    return lambda work, column, i, like: _load(work, column, i, like)  # pyright: ignore[reportCallIssue]
+
+
+@inline
+def load(work: Any, column: int, i: int) -> float:
+    """Return a number of the block's point i."""
+    return load_tuple(work, column, i, 0.0)
+
+
+@inline
+def load_sym(work: Any, column: int, i: int) -> Sym:
+    """Return a symmetric tensor of the block's point i."""
+    return read(load_tuple(work, column, i, SIX))
+
+
+@inline
+def load_matrix(work: Any, column: int, i: int) -> Matrix:
+    """Return a general tensor of the block's point i."""
+    return Matrix(*load_tuple(work, column, i, NINE))
+
+
+@inline
+def store_sym(work: Any, column: int, i: int, a: Sym) -> None:
+    """Store a symmetric tensor of the block's point i."""
+    store(work, column, i, components(a))
 
 
 @inline
 def add(work: Any, column: int, i: int, amount: float) -> None:
     """Add to a number of the block's point i."""
-    keep(work, column, i, kept(work, column, i, 0.0) + amount)
-
-
-def kept(work: Any, column: int, i: int, like: Any) -> Any:
-    """Return a number, or a tuple as long as ``like``, of the block's point i."""
-    raise NotImplementedError
-
-
-@overload(workspace, strict=False, jit_options=INLINED)
-def _workspace(blank: Any) -> Any:
-    return lambda blank: _on_stack(blank)  # pyright: ignore[reportCallIssue]  (an intrinsic)
-
-
-@overload(keep, strict=False, jit_options=INLINED)
-def _keep_it(work: Any, column: Any, i: Any, value: Any) -> Any:
-    return lambda work, column, i, value: _keep(work, column, i, value)  # pyright: ignore[reportCallIssue]
-
-
-@overload(kept, strict=False, jit_options=INLINED)
-def _kept_as(work: Any, column: Any, i: Any, like: Any) -> Any:
-    return lambda work, column, i, like: _kept(work, column, i, like)  # pyright: ignore[reportCallIssue]
+    store(work, column, i, load(work, column, i) + amount)

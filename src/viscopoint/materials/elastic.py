@@ -2,12 +2,23 @@
 
 from typing import Literal, NamedTuple
 
-from viscopoint.case.tables import Material
+from viscopoint.case.tables import MaterialInput
 from viscopoint.case.units import Density, Modulus, PositiveModulus
 from viscopoint.kernels.jit import implements
 from viscopoint.kernels.logarithm import log
-from viscopoint.kernels.tensors import Matrix, Sym, contract, deviator, rotated, spherical
-from viscopoint.materials import History, shear_energy, step_factors, stored_energy, update_stress, volumetric_energy
+from viscopoint.kernels.tensors import Sym, contract, deviator, rotated, spherical
+from viscopoint.materials import (
+    History,
+    HistoryField,
+    Increment,
+    Response,
+    p_wave_modulus,
+    shear_energy,
+    step_factors,
+    stored_energy,
+    update_stress,
+    volumetric_energy,
+)
 
 
 class Elastic(NamedTuple):
@@ -18,15 +29,15 @@ class Elastic(NamedTuple):
     shear: float  # G, MPa
 
     @property
-    def instantaneous_modulus(self) -> float:
-        return self.bulk + 4 * self.shear / 3
+    def p_wave_modulus(self) -> float:
+        return p_wave_modulus(self.bulk, self.shear)
 
     @property
-    def history_fields(self) -> tuple[tuple[str, int], ...]:
+    def history_fields(self) -> tuple[HistoryField, ...]:
         return ()
 
 
-class ElasticModuli(Material):
+class ElasticModuli(MaterialInput):
     """The keys of an elastic solid."""
 
     density: Density
@@ -47,24 +58,25 @@ class ElasticInput(ElasticModuli):
 
 
 @implements(step_factors, Elastic)
-def nothing(law: Elastic, dt: float) -> float:
-    return dt
+def none(material: Elastic, dt: float) -> float:
+    return 0.0
 
 
 @implements(update_stress, Elastic)
-def update(
-    law: Elastic, factors: float, strain: Sym, turn: Matrix, jacobian: float, stress: Sym, history: History
-) -> tuple[Sym, History, float]:
-    shape = rotated(deviator(stress), turn) + 2.0 * law.shear * deviator(strain)
-    return shape + spherical(law.bulk * log(jacobian)), history, 0.0
+def update(material: Elastic, factors: float, increment: Increment, stress: Sym, history: History) -> Response:
+    shape = rotated(deviator(stress), increment.rotation) + 2.0 * material.shear * deviator(increment.strain)
+    stress = shape + spherical(material.bulk * log(increment.jacobian))
+    return Response(stress, history, 0.0, p_wave_modulus(material.bulk, material.shear))
 
 
 @implements(stored_energy, Elastic)
-def energy(law: Elastic, jacobian: float, stress: Sym, history: History) -> float:
-    return volumetric_energy(law.bulk, jacobian, log(jacobian)) + jacobian * shear_energy(law, stress, history)
+def energy(material: Elastic, jacobian: float, stress: Sym, history: History) -> float:
+    return volumetric_energy(material.bulk, jacobian, log(jacobian)) + jacobian * shear_energy(
+        material, stress, history
+    )
 
 
 @implements(shear_energy, Elastic)
-def spring_energy(law: Elastic, stress: Sym, history: History) -> float:
+def spring_energy(material: Elastic, stress: Sym, history: History) -> float:
     shape = deviator(stress)
-    return 0.25 / law.shear * contract(shape, shape) if law.shear > 0.0 else 0.0
+    return 0.25 / material.shear * contract(shape, shape) if material.shear > 0.0 else 0.0

@@ -6,19 +6,30 @@ A spring G_long beside a Maxwell arm G_short - G_long whose deviatoric stress is
 material (Jaumann rate) and the arm is integrated exactly for a constant strain rate over the step (eq. 9).
 
 The law is hypoelastic: no potential gives it where shear and volume change together. The stored energy J S:S / 4G
-differs from the work done by ``laws.hypoelastic_work``, which the ledger counts.
+differs from the work done by ``hypoelastic_work``, which the energy balance counts.
 """
 
 import math
 from typing import Literal, NamedTuple
 
 from viscopoint.case.rules import rule
-from viscopoint.case.tables import Material
+from viscopoint.case.tables import MaterialInput
 from viscopoint.case.units import Decay, Density, Modulus, PositiveModulus
 from viscopoint.kernels.jit import implements, inline
 from viscopoint.kernels.logarithm import log
-from viscopoint.kernels.tensors import Matrix, Sym, components, contract, deviator, read, rotated, spherical
-from viscopoint.materials import History, shear_energy, step_factors, stored_energy, update_stress, volumetric_energy
+from viscopoint.kernels.tensors import Sym, components, contract, deviator, read, rotated, spherical
+from viscopoint.materials import (
+    History,
+    HistoryField,
+    Increment,
+    Response,
+    p_wave_modulus,
+    shear_energy,
+    step_factors,
+    stored_energy,
+    update_stress,
+    volumetric_energy,
+)
 
 
 class LinearViscoelastic(NamedTuple):
@@ -27,19 +38,19 @@ class LinearViscoelastic(NamedTuple):
     density: float  # rho, g/mm^3
     bulk: float  # K, MPa
     shear_long: float  # G_inf, MPa
-    shear_arm: float  # G_0 - G_inf, MPa
+    shear_maxwell: float  # G_0 - G_inf, MPa
     decay: float  # beta, 1/ms
 
     @property
-    def instantaneous_modulus(self) -> float:
-        return self.bulk + 4 * (self.shear_long + self.shear_arm) / 3
+    def p_wave_modulus(self) -> float:
+        return p_wave_modulus(self.bulk, self.shear_long + self.shear_maxwell)
 
     @property
-    def history_fields(self) -> tuple[tuple[str, int], ...]:
-        return (("maxwell_stress", 6),)
+    def history_fields(self) -> tuple[HistoryField, ...]:
+        return (HistoryField("maxwell_stress", "MPa", 6),)
 
 
-class ViscoelasticModuli(Material):
+class ViscoelasticModuli(MaterialInput):
     """The keys of a standard linear solid."""
 
     density: Density
@@ -49,8 +60,8 @@ class ViscoelasticModuli(Material):
     decay: Decay
 
     def viscoelastic(self) -> LinearViscoelastic:
-        arm = self.shear_short - self.shear_long
-        return LinearViscoelastic(self.density, self.bulk, self.shear_long, arm, self.decay)
+        maxwell = self.shear_short - self.shear_long
+        return LinearViscoelastic(self.density, self.bulk, self.shear_long, maxwell, self.decay)
 
 
 @rule("material.shear_long", "material.shear_short")
@@ -71,58 +82,55 @@ class MaxwellStep(NamedTuple):
     """The arm over one step of x = beta dt; every factor is 1, 1, x/2G.. times a smooth function of x."""
 
     relaxed: float  # exp(-x)
-    gain: float  # (1 - exp(-x)) / x
+    mean_relaxation: float  # (1 - exp(-x)) / x
     loss_start: float  # dissipated per S_n : S_n
     loss_cross: float  # dissipated per S_n : strain
     loss_strain: float  # dissipated per strain : strain
 
 
 @implements(step_factors, LinearViscoelastic)
-def maxwell_step(law: LinearViscoelastic, dt: float) -> MaxwellStep:
-    x = law.decay * dt
-    gain = mean_decay(x)
-    start = 0.5 * x * mean_decay(2.0 * x) / law.shear_arm if law.shear_arm > 0.0 else 0.0
-    return MaxwellStep(math.exp(-x), gain, start, x * gain * gain, 2.0 * law.shear_arm * x * mean_square_gain(x))
+def maxwell_step(material: LinearViscoelastic, dt: float) -> MaxwellStep:
+    x, maxwell = material.decay * dt, material.shear_maxwell
+    mean = mean_decay(x)
+    start = 0.5 * x * mean_decay(2.0 * x) / maxwell if maxwell > 0.0 else 0.0
+    return MaxwellStep(math.exp(-x), mean, start, x * mean * mean, 2.0 * maxwell * x * mean_square_gain(x))
 
 
 @implements(update_stress, LinearViscoelastic)
 def update(
-    law: LinearViscoelastic,
-    factors: MaxwellStep,
-    strain: Sym,
-    turn: Matrix,
-    jacobian: float,
-    stress: Sym,
-    history: History,
-) -> tuple[Sym, History, float]:
-    shape = deviator(strain)
-    arm = rotated(read(history), turn)
-    spring = rotated(deviator(stress) - read(history), turn)
+    material: LinearViscoelastic, factors: MaxwellStep, increment: Increment, stress: Sym, history: History
+) -> Response:
+    shape = deviator(increment.strain)
+    arm = rotated(read(history), increment.rotation)
+    spring = rotated(deviator(stress) - read(history), increment.rotation)
     dissipated = (
         factors.loss_start * contract(arm, arm)
         + factors.loss_cross * contract(arm, shape)
         + factors.loss_strain * contract(shape, shape)
     )
-    arm = factors.relaxed * arm + 2.0 * law.shear_arm * factors.gain * shape  # eq. 9
-    spring = spring + 2.0 * law.shear_long * shape
-    stress = spring + arm + spherical(law.bulk * log(jacobian))  # eq. 6
-    return stress, components(arm), dissipated
+    arm = factors.relaxed * arm + 2.0 * material.shear_maxwell * factors.mean_relaxation * shape  # eq. 9
+    spring = spring + 2.0 * material.shear_long * shape
+    stress = spring + arm + spherical(material.bulk * log(increment.jacobian))  # eq. 6
+    modulus = p_wave_modulus(material.bulk, material.shear_long + material.shear_maxwell)
+    return Response(stress, components(arm), dissipated, modulus)
 
 
 @implements(stored_energy, LinearViscoelastic)
-def energy(law: LinearViscoelastic, jacobian: float, stress: Sym, history: History) -> float:
-    return volumetric_energy(law.bulk, jacobian, log(jacobian)) + jacobian * shear_energy(law, stress, history)
+def energy(material: LinearViscoelastic, jacobian: float, stress: Sym, history: History) -> float:
+    return volumetric_energy(material.bulk, jacobian, log(jacobian)) + jacobian * shear_energy(
+        material, stress, history
+    )
 
 
 @implements(shear_energy, LinearViscoelastic)
-def springs_energy(law: LinearViscoelastic, stress: Sym, history: History) -> float:
+def springs_energy(material: LinearViscoelastic, stress: Sym, history: History) -> float:
     arm = read(history)
     spring = deviator(stress) - arm
     shear = 0.0
-    if law.shear_long > 0.0:
-        shear += 0.25 / law.shear_long * contract(spring, spring)  # the quotient is the same for all points
-    if law.shear_arm > 0.0:
-        shear += 0.25 / law.shear_arm * contract(arm, arm)
+    if material.shear_long > 0.0:
+        shear += 0.25 / material.shear_long * contract(spring, spring)  # the quotient is the same for all points
+    if material.shear_maxwell > 0.0:
+        shear += 0.25 / material.shear_maxwell * contract(arm, arm)
     return shear
 
 

@@ -1,64 +1,52 @@
-"""J2 plasticity with linear isotropic hardening, by radial return, on top of a law that is linear in shear.
+"""J2 plasticity with linear isotropic hardening, by radial return, on top of a material that is linear in shear.
 
-The base law predicts the stress; where its von Mises value exceeds the yield stress, the excess strain is plastic and
-the base law advances by the rest (Wilkins 1964; Simo & Hughes 1998, box 3.1). As the base law makes that step itself,
-spring and Maxwell arm share the return as their moduli over the step do.
+The base material predicts the stress; where its von Mises value exceeds the yield stress, the excess strain is plastic
+and the base material advances by the rest (Wilkins 1964; Simo & Hughes 1998, box 3.1). As the base material makes that
+step itself, spring and Maxwell arm share the return as their moduli over the step do.
 """
 
 from typing import Any, Literal, NamedTuple
 
-from viscopoint.case.tables import Material
+from viscopoint.case.tables import MaterialInput
 from viscopoint.case.units import Modulus, PositiveModulus
 from viscopoint.kernels.jit import generic, implements
-from viscopoint.kernels.tensors import Matrix, Sym, contract, deviator, von_mises
-from viscopoint.materials import History, shear_energy, step_factors, stored_energy, update_stress
+from viscopoint.kernels.tensors import Sym, contract, deviator, von_mises
+from viscopoint.materials import (
+    History,
+    HistoryField,
+    Increment,
+    Response,
+    shear_energy,
+    step_factors,
+    stored_energy,
+    update_stress,
+)
 from viscopoint.materials.elastic import Elastic, ElasticModuli
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic, MaxwellStep, ViscoelasticModuli
 
 
-class ElasticPlastic(NamedTuple):
-    """Elastic, then J2 plastic; the history is the equivalent plastic strain."""
+class Plastic(NamedTuple):
+    """A base material that yields; the history is the base's and the equivalent plastic strain."""
 
-    density: float  # rho, g/mm^3
-    bulk: float  # K, MPa
-    shear: float  # G, MPa
+    base: Any  # ``Elastic`` or ``LinearViscoelastic``
     yield_stress: float  # Y, MPa
     hardening: float  # H, MPa
 
     @property
-    def instantaneous_modulus(self) -> float:
-        return base_law(self).instantaneous_modulus
+    def density(self) -> float:
+        return self.base.density
 
     @property
-    def history_fields(self) -> tuple[tuple[str, int], ...]:
-        return (*base_law(self).history_fields, PLASTIC_STRAIN)
-
-
-class ViscoelasticPlastic(NamedTuple):
-    """Linear viscoelastic, then J2 plastic; the history is the arm's and the equivalent plastic strain."""
-
-    density: float  # rho, g/mm^3
-    bulk: float  # K, MPa
-    shear_long: float  # G_inf, MPa
-    shear_arm: float  # G_0 - G_inf, MPa
-    decay: float  # beta, 1/ms
-    yield_stress: float  # Y, MPa
-    hardening: float  # H, MPa
+    def p_wave_modulus(self) -> float:
+        return self.base.p_wave_modulus
 
     @property
-    def instantaneous_modulus(self) -> float:
-        return base_law(self).instantaneous_modulus
-
-    @property
-    def history_fields(self) -> tuple[tuple[str, int], ...]:
-        return (*base_law(self).history_fields, PLASTIC_STRAIN)
+    def history_fields(self) -> tuple[HistoryField, ...]:
+        return (*self.base.history_fields, HistoryField("plastic_strain"))
 
 
-PLASTIC_STRAIN = ("plastic_strain", 1)
-
-
-class Yielding(Material):
-    """The keys a plastic law adds to its base law."""
+class Yielding(MaterialInput):
+    """The keys a plastic material adds to its base's."""
 
     yield_stress: PositiveModulus
     hardening: Modulus = 0.0
@@ -69,8 +57,8 @@ class ElasticPlasticInput(ElasticModuli, Yielding):
 
     law: Literal["elastic-plastic"]
 
-    def build(self) -> ElasticPlastic:
-        return ElasticPlastic(*self.elastic(), self.yield_stress, self.hardening)
+    def build(self) -> Plastic:
+        return Plastic(self.elastic(), self.yield_stress, self.hardening)
 
 
 class ViscoelasticPlasticInput(ViscoelasticModuli, Yielding):
@@ -78,29 +66,14 @@ class ViscoelasticPlasticInput(ViscoelasticModuli, Yielding):
 
     law: Literal["linear-viscoelastic-plastic"]
 
-    def build(self) -> ViscoelasticPlastic:
-        return ViscoelasticPlastic(*self.viscoelastic(), self.yield_stress, self.hardening)
-
-
-@generic
-def base_law(law: Any) -> Any:
-    """Return the law below the yield stress."""
+    def build(self) -> Plastic:
+        return Plastic(self.viscoelastic(), self.yield_stress, self.hardening)
 
 
 @generic
 def shear_over_step(base: Any, factors: Any) -> float:
     """Return G such that a step's deviatoric strain adds 2 G times itself to the stress of ``base`` [MPa]."""
     raise NotImplementedError
-
-
-@implements(base_law, ElasticPlastic)
-def elastic(law: ElasticPlastic) -> Elastic:
-    return Elastic(law.density, law.bulk, law.shear)
-
-
-@implements(base_law, ViscoelasticPlastic)
-def viscoelastic(law: ViscoelasticPlastic) -> LinearViscoelastic:
-    return LinearViscoelastic(law.density, law.bulk, law.shear_long, law.shear_arm, law.decay)
 
 
 @implements(shear_over_step, Elastic)
@@ -110,40 +83,38 @@ def elastic_shear(base: Elastic, factors: Any) -> float:
 
 @implements(shear_over_step, LinearViscoelastic)
 def viscoelastic_shear(base: LinearViscoelastic, factors: MaxwellStep) -> float:
-    return base.shear_long + base.shear_arm * factors.gain
+    return base.shear_long + base.shear_maxwell * factors.mean_relaxation
 
 
-def base_factors(law: Any, dt: float) -> Any:
-    return step_factors(base_law(law), dt)
+@implements(step_factors, Plastic)
+def base_factors(material: Plastic, dt: float) -> Any:
+    return step_factors(material.base, dt)
 
 
-def radial_return(
-    law: Any, factors: Any, strain: Sym, turn: Matrix, jacobian: float, stress: Sym, history: History
-) -> tuple[Sym, History, float]:
-    base = base_law(law)
-    plastic = history[-1]
-    trial, inner, loss = update_stress(base, factors, strain, turn, jacobian, stress, history[:-1])
-    size = von_mises(trial)
-    excess = size - (law.yield_stress + law.hardening * plastic)
+@implements(update_stress, Plastic)
+def radial_return(material: Plastic, factors: Any, increment: Increment, stress: Sym, history: History) -> Response:
+    base, plastic = material.base, history[-1]
+    trial = update_stress(base, factors, increment, stress, history[:-1])
+    size = von_mises(trial.stress)
+    excess = size - (material.yield_stress + material.hardening * plastic)
+    loss = trial.dissipated
     if excess > 0.0:
-        growth = excess / (3.0 * shear_over_step(base, factors) + law.hardening)
-        flow = (1.5 * growth / size) * deviator(trial)  # plastic strain increment, along the trial stress
-        trial, inner, loss = update_stress(base, factors, strain - flow, turn, jacobian, stress, history[:-1])
-        loss += contract(trial, flow) - 0.5 * law.hardening * growth * growth  # the mean stress of the flow works
+        growth = excess / (3.0 * shear_over_step(base, factors) + material.hardening)
+        flow = (1.5 * growth / size) * deviator(trial.stress)  # plastic strain increment, along the trial stress
+        i = increment
+        rest = Increment(i.dt, i.strain - flow, i.rotation, i.jacobian, i.deformation)
+        trial = update_stress(base, factors, rest, stress, history[:-1])
+        # the mean stress of the flow works
+        loss = trial.dissipated + (contract(trial.stress, flow) - 0.5 * material.hardening * growth * growth)
         plastic += growth
-    return trial, (*inner, plastic), loss
+    return Response(trial.stress, (*trial.history, plastic), loss, trial.p_wave_modulus)
 
 
-def base_energy(law: Any, jacobian: float, stress: Sym, history: History) -> float:
-    return stored_energy(base_law(law), jacobian, stress, history[:-1])
+@implements(stored_energy, Plastic)
+def base_energy(material: Plastic, jacobian: float, stress: Sym, history: History) -> float:
+    return stored_energy(material.base, jacobian, stress, history[:-1])
 
 
-def base_shear_energy(law: Any, stress: Sym, history: History) -> float:
-    return shear_energy(base_law(law), stress, history[:-1])
-
-
-for _law in (ElasticPlastic, ViscoelasticPlastic):
-    implements(step_factors, _law)(base_factors)
-    implements(update_stress, _law)(radial_return)
-    implements(stored_energy, _law)(base_energy)
-    implements(shear_energy, _law)(base_shear_energy)
+@implements(shear_energy, Plastic)
+def base_shear_energy(material: Plastic, stress: Sym, history: History) -> float:
+    return shear_energy(material.base, stress, history[:-1])

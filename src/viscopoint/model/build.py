@@ -1,33 +1,46 @@
-"""From a case to something that can be advanced in time."""
+"""From a case to bodies that can be advanced in time."""
 
 from typing import NamedTuple
 
 from viscopoint.case.case import Case
 from viscopoint.errors import InputError
 from viscopoint.kernels.jit import check_ready
-from viscopoint.materials import Law
+from viscopoint.materials import Material
 from viscopoint.model import memory
 from viscopoint.model.body import Body
 from viscopoint.model.method import Method
 
 
 class Model(NamedTuple):
-    """A body of a material on its way to the wall, and the method that moves it."""
+    """Bodies on their way, each with the method that moves it and what acts on it; a case describes one, the rod."""
 
     case: Case  # with all that it leaves to be derived spelt out
-    body: Body
-    law: Law
-    method: Method
+    bodies: tuple[Method, ...]
+
+    @property
+    def method(self) -> Method:
+        """What moves the first body."""
+        return self.bodies[0]
+
+    @property
+    def body(self) -> Body:
+        """Where the first body is at the start."""
+        return self.method.body
+
+    @property
+    def material(self) -> Material:
+        """What the first body is of."""
+        return self.method.material
 
     @property
     def mass(self) -> float:
-        """The mass of the body that is computed [g]."""
-        return self.law.density * float(self.body.volume.sum())
+        """The mass of the first body [g]."""
+        return self.material.density * float(self.body.volume.sum())
 
     @property
     def mass_error(self) -> float:
-        """How much heavier the body is than the rod of the case, as a share of the rod's mass."""
-        return self.mass / (self.law.density * self.case.rod.volume) - 1.0
+        """How much heavier the first body is than the rod of the case, as a share of the rod's mass."""
+        return self.mass / (self.material.density * self.case.rod.volume) - 1.0
 
 
 def build(case: Case) -> Model:
@@ -41,12 +54,12 @@ def build(case: Case) -> Model:
     check_ready()
     need = case.method.need(case.rod)
     memory.check(need, memory.free())
-    law, case = case.material.build(), case.resolved()
+    material, case = case.material.build(), case.resolved()
     try:
-        method = case.method.build(case.rod, case.impact, law)
+        method = case.method.build(case.rod, case.impact, material)
     except MemoryError:  # somebody else took it, or a limit that nobody could see was met
         raise InputError(f"{need.key}: {need.what}: there was no memory left; {need.advice}") from None
-    model = Model(case, method.body, law, method)
+    model = Model(case, (method,))
     most = case.guards.mass_error
     if abs(model.mass_error) > most:
         raise InputError(
@@ -57,5 +70,5 @@ def build(case: Case) -> Model:
 
 def mass_in_words(model: Model) -> str:
     """Say what the mass of the body that is computed is, and how far it is off."""
-    rod = model.law.density * model.case.rod.volume
+    rod = model.material.density * model.case.rod.volume
     return f"the computed mass, {model.mass:.4g} g, is {100 * model.mass_error:+.2g} % off that of the rod, {rod:.4g} g"

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Annotated, NamedTuple, get_type_hints
 
-from viscopoint.model.body import Surface
 from viscopoint.model.measurements import Gauges, measure
 from viscopoint.model.method import Method, Totals
 
@@ -74,18 +73,32 @@ LEAST_INTERNAL = 0.01  # of the initial kinetic energy, of which ``hourglass_sha
 _KINDS = [int if unit == "1" else float for unit in UNITS.values()]
 
 
-class Ledger:
-    """Keeps the account of a run: what there was at the start, and the row before."""
+class EnergyBalance:
+    """Keeps the account of a body: what there was at the start, the row before, the rows at snapshots, and errors."""
 
-    def __init__(self, method: Method, surface: Surface) -> None:
-        self.method, self.surface = method, surface
+    def __init__(self, method: Method) -> None:
+        self.method, self.surface = method, method.body.surface
         self.start: Totals = method.totals()
         self.internal = LEAST_INTERNAL * self.start.kinetic  # the greatest so far, mJ
         self.before: Row = self.row(0.0, 0, 0.0)
+        self.rows: list[Row] = []  # at the snapshots
+        self.errors = (0.0, 0.0, 0.0)  # of energy and momentum, and the share of hourglass energy: the greatest so far
 
     def restore(self, start: Sequence[float], before: Sequence[float], internal: float) -> None:
         """Take over the account of a run that was begun earlier."""
         self.start, self.before, self.internal = Totals.of_flat(start), row_of(before), internal
+
+    def record(self, time: float, step: int, time_step: float) -> Row:
+        """Measure the body now, and note how far the account is off."""
+        row = self.row(time, step, time_step)
+        now = (abs(row.numerical) / self.initial, row.momentum_error, row.hourglass_share)
+        self.errors = tuple(map(max, self.errors, now))
+        return row
+
+    @property
+    def initial(self) -> float:
+        """The energy at the start [mJ]."""
+        return self.start.kinetic + self.start.stored
 
     def row(self, time: float, step: int, time_step: float) -> Row:
         """Measure the method now."""

@@ -15,7 +15,7 @@ class GuardError(ViscopointError):
 
 
 def check_row(row: Row, start: Totals, limits: Guards, method: Method) -> None:
-    """Stop if a quantity is not finite, the energy ledger does not close, or too much is lost or taken by hourglassing.
+    """Stop if a quantity is not finite, the energy balance does not close, or too much is lost or taken by hourglassing.
 
     Args:
         row: to check.
@@ -27,23 +27,25 @@ def check_row(row: Row, start: Totals, limits: Guards, method: Method) -> None:
     initial = start.kinetic + start.stored
     share = row.numerical / initial
     if abs(share) > limits.energy_error:
-        gone, cause = ("lost", method.advice.dissipating) if share > 0.0 else ("gained", method.advice.gaining)
+        gone, cause = (
+            ("lost", method.failure_hints.dissipating) if share > 0.0 else ("gained", method.failure_hints.gaining)
+        )
         raise _stopped(
             row.time,
-            f"the energy ledger does not close: {gone} {100 * abs(share):.1f} % of the initial kinetic energy "
+            f"the energy balance does not close: {gone} {100 * abs(share):.1f} % of the initial kinetic energy "
             f"(guards.energy_error allows {100 * limits.energy_error:g} %)",
             cause,
         )
     if max(row.lost_mass / start.mass, row.eroded / initial) > limits.lost_share * (1.0 + ROUNDING):
         stored = f" and {100 * row.eroded / initial:.2g} % of the initial energy" if row.eroded else ""
         allowed = f" (guards.lost_share allows {100 * limits.lost_share:g} %)"
-        raise _stopped(row.time, lost_in_words(row, start.mass, method) + stored + allowed, method.advice.lost)
+        raise _stopped(row.time, lost_in_words(row, start.mass, method) + stored + allowed, method.failure_hints.lost)
     if row.hourglass_share > 100 * limits.hourglass_share:
         raise _stopped(
             row.time,
             f"hourglass control took {row.hourglass_share:.1f} % of the internal energy "
             f"(guards.hourglass_share allows {100 * limits.hourglass_share:g} %)",
-            method.advice.hourglassing,
+            method.failure_hints.hourglassing,
         )
 
 
@@ -54,12 +56,12 @@ def is_finite(row: Row) -> bool:
 
 def lost_in_words(row: Row, mass: float, method: Method) -> str:
     """Say what left the box or was deleted, of a body of some mass [g]."""
-    return f"{row.lost} {method.advice.losses}, {100 * row.lost_mass / mass:.3g} % of the mass"
+    return f"{row.lost} {method.failure_hints.losses}, {100 * row.lost_mass / mass:.3g} % of the mass"
 
 
 def _check_finite(row: Row, method: Method) -> None:
     if name := _not_finite(row):
-        cause = method.advice.lost if row.lost else method.advice.unstable
+        cause = method.failure_hints.lost if row.lost else method.failure_hints.unstable
         raise _stopped(row.time, f"{name} is not finite", cause)
 
 
@@ -75,12 +77,13 @@ def check_step(time: float, first: float, limits: Guards, method: Method) -> Non
     step = method.stable_step()
     if step >= limits.smallest_step * first:
         return
-    weakest = method.weakest()
+    limiting = method.limiting_element()
     raise _stopped(
         time,
         f"the stable step fell to {step * 1e3:.3g} us, from {first * 1e3:.3g} us at the start "
-        f"(guards.smallest_step allows a fall to {limits.smallest_step:g} of it)" + (f"; {weakest}" if weakest else ""),
-        method.advice.collapsed,
+        f"(guards.smallest_step allows a fall to {limits.smallest_step:g} of it)"
+        + (f"; {limiting}" if limiting else ""),
+        method.failure_hints.collapsed,
     )
 
 

@@ -5,21 +5,13 @@ from viscopoint.kernels.tensors import Matrix, Sym, determinant, minor, spun
 
 
 @inline
-def increments(gradient: Matrix) -> tuple[Sym, Matrix, float]:
-    """Split the displacement gradient of a step into strain, rotation and volume ratio.
-
-    ``gradient`` is A = ∂Δu/∂x at the start of the step, so that F ← (I + A) F.
-
-    Returns:
-        The strain increment at the end of the step, the rotation Q and the volume ratio det(I + A).
-    """
-    stretch = Matrix(
+def volume_ratio(gradient: Matrix) -> float:
+    """Return det(I + A) of the displacement gradient A of a step, ∂Δu/∂x at its start, so that F ← (I + A) F."""
+    return determinant(Matrix(
         1.0 + gradient.xx, gradient.xy, gradient.xz,
         gradient.yx, 1.0 + gradient.yy, gradient.yz,
         gradient.zx, gradient.zy, 1.0 + gradient.zz,
-    )  # fmt: skip
-    strain, turn = strain_and_turn(at_mid_step(gradient))
-    return strain, turn, determinant(stretch)
+    ))  # fmt: skip
 
 
 @inline
@@ -46,7 +38,7 @@ def at_mid_step(gradient: Matrix) -> Matrix:
 
 
 @inline
-def strain_and_turn(gradient: Matrix) -> tuple[Sym, Matrix]:
+def strain_and_rotation(gradient: Matrix) -> tuple[Sym, Matrix]:
     """Split the displacement gradient G of a step, taken at mid-step, into strain and rotation.
 
     Its symmetric part is the strain increment and the Cayley transform of its antisymmetric part the rotation

@@ -1,19 +1,22 @@
-"""The face that the driver, the ledger and the outputs see of any method, MPM or FEM."""
+"""The face that the driver, the energy balance and the outputs see of any method, MPM or FEM."""
 
 from collections.abc import Sequence
-from typing import Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
 
 import numpy as np
 
-from viscopoint.kernels.arrays import Array, Rows
-from viscopoint.kernels.tensors import COMPONENTS
-from viscopoint.materials import Law
+from viscopoint.kernels.arrays import AnyArray, Array
+
+if TYPE_CHECKING:  # what reads fields needs no kernel
+    from viscopoint.interactions.rows import Rows
+    from viscopoint.materials import HistoryField, Material
+    from viscopoint.model.body import Body
 
 
 class Field(NamedTuple):
     """Named values for output, one row per point (material point or node) or per cell (finite element)."""
 
-    values: Rows
+    values: AnyArray
     unit: str
     on: Literal["points", "cells"] = "points"
 
@@ -53,7 +56,7 @@ class Totals(NamedTuple):
         return cls._make([*energies, np.array([m0, m1, m2]), np.array([i0, i1, i2]), mass])
 
 
-class Advice(NamedTuple):
+class FailureHints(NamedTuple):
     """What a method is likely to suffer from, in the words of a guard that stops it."""
 
     lost: str  # too much left the box, or was deleted
@@ -66,19 +69,45 @@ class Advice(NamedTuple):
 
 
 class Method(Protocol):
-    """An explicit method that advances a body in time."""
+    """An explicit method that advances a body in time, in the stages of an integrator (``integrators``)."""
 
     @property
-    def advice(self) -> Advice:
+    def body(self) -> "Body":
+        """Where the body is at the start."""
+        ...
+
+    @property
+    def material(self) -> "Material":
+        """What it is of."""
+        ...
+
+    @property
+    def reactions(self) -> Array:
+        """What each interaction did to the body since the start (``interactions.rows.REACTIONS``)."""
+        ...
+
+    @reactions.setter
+    def reactions(self, place: Array) -> None: ...
+
+    @property
+    def failure_hints(self) -> FailureHints:
         """What to say of this method when a guard stops it."""
         ...
 
     def stable_step(self) -> float:
-        """Return the longest step to take next, safety factor included [ms]."""
+        """Return the longest step to take next, ``time_step_factor`` included [ms]."""
         ...
 
+    def kick(self, dt: float) -> None: ...
+    def constrain(self, rows: "Rows", number: int, first: int, dt: float) -> "Rows": ...
+    def drift(self, rows: "Rows", number: int, dt: float) -> None: ...
+    def strain(self, dt: float) -> None: ...
+    def kick_again(self, dt: float) -> None: ...
+    def constrain_again(self, rows: "Rows", number: int, dt: float) -> None: ...
+    def arrive(self, rows: "Rows", number: int) -> None: ...
+
     def advance(self, dt: float) -> None:
-        """Advance the body by ``dt`` [ms]."""
+        """Advance this body alone by ``dt`` [ms]."""
         ...
 
     def totals(self) -> Totals:
@@ -97,7 +126,7 @@ class Method(Protocol):
         """Return the mass of what ``lost`` counts [g]."""
         ...
 
-    def weakest(self) -> str:
+    def limiting_element(self) -> str:
         """Say what keeps the stable step short, and where; empty if there is nothing to say."""
         ...
 
@@ -105,25 +134,27 @@ class Method(Protocol):
         """Return all fields worth looking at."""
         ...
 
-    def state(self) -> dict[str, Rows]:
+    def state(self) -> dict[str, AnyArray]:
         """Return exactly what ``restore`` needs to go on as if nothing had happened.
 
         The arrays are the method's own, until the next step, and leave out what building the case anew gives.
         """
         ...
 
-    def restore(self, state: dict[str, Rows]) -> None:
+    def restore(self, state: dict[str, AnyArray]) -> None:
         """Take over a state: copy it into the method's own arrays."""
         ...
 
 
-def history_fields(law: Law, history: Array, on: Literal["points", "cells"] = "points") -> dict[str, Field]:
-    """Return a law's history ``[row, h]`` as named fields."""
+def history_fields(
+    groups: "Sequence[HistoryField]", history: Array, on: Literal["points", "cells"] = "points"
+) -> dict[str, Field]:
+    """Return a material's history ``[row, h]`` as named fields."""
     fields, column = {}, 0
-    for name, size in law.history_fields:
-        values = history[:, column : column + size]
-        fields[name] = Field(values[:, 0] if size == 1 else values, "MPa" if size == len(COMPONENTS) else "1", on)
-        column += size
+    for group in groups:
+        values = history[:, column : column + group.components]
+        fields[group.name] = Field(values[:, 0] if group.components == 1 else values, group.unit, on)
+        column += group.components
     return fields
 
 

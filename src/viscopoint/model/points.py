@@ -1,39 +1,191 @@
-"""What material points carry in every method, as a block of them has it in the workspace.
+"""What material points, points of total Lagrangian bodies and quadrature points have in common.
 
-``points`` is the NamedTuple of any method whose fields have these names. A method's own columns begin at ``OWN``.
+Strain becomes stress, history and energies here, and nowhere else: a method finds the displacement gradient of a block
+of points, hands it over by ``store_strain``, has the material called (``materials.block``), and then bulk viscosity by
+``apply_viscosity``. A method's own columns of the workspace begin at ``OWN``.
 """
 
-from typing import Any
+import math
+from typing import Any, NamedTuple
 
-from viscopoint.kernels.jit import inline
-from viscopoint.kernels.rows import load, store
-from viscopoint.kernels.tensors import components, read, write
-from viscopoint.kernels.workspace import HISTORY, columns, keep, kept
-from viscopoint.materials import History
+import numpy as np
+from numpy.typing import NDArray
 
-STRESS, JACOBIAN, VISCOUS, LOSS, HYPOELASTIC, VISCOUS_LOSS, OWN = columns(6, 1, 1, 1, 1, 1)
-SIX = (0.0,) * 6
+from viscopoint.kernels.arrays import Array, Real
+from viscopoint.kernels.jit import inline, kernel
+from viscopoint.kernels.slabs import CHUNKS, chunk
+from viscopoint.kernels.tensors import Matrix, Sym, read, write
+from viscopoint.kernels.workspace import (
+    BLOCK,
+    HISTORY,
+    add,
+    columns,
+    load,
+    load_sym,
+    store,
+    store_sym,
+    workspace,
+)
+from viscopoint.materials import block
+from viscopoint.materials.block import (
+    AFTER,
+    DISSIPATED,
+    GRADIENT,
+    HYPOELASTIC,
+    JACOBIAN,
+    MODULUS,
+    ROTATION,
+    STORED,
+    STRESS,
+    MaterialBlock,
+    MaterialCode,
+    call_block,
+)
+from viscopoint.model.kinematics import strain_and_rotation
+from viscopoint.model.viscosity import BulkViscosity, viscous_pressure
+
+VISCOUS, VISCOUS_LOSS, OWN = columns(1, 1, first=block.OWN)
+STORED_ENERGY, DISSIPATED_ENERGY, HYPOELASTIC_WORK, VISCOUS_WORK, ERODED_ENERGY, SUMS = range(6)
+
+
+class MaterialState(NamedTuple):
+    """What the material has at each point q: one or several in a cell that shares one dilatation."""
+
+    stress: Array  # [q, 6], Cauchy, xx yy zz xy yz zx, MPa
+    history: Array  # [q, h], the material's
+    dissipated: Array  # [q], by the material per reference volume, mJ/mm^3
+    hypoelastic: Array  # [q], taken as volume changes under shear, per reference volume, mJ/mm^3
+
+
+class VolumeState(NamedTuple):
+    """What points that share one dilatation have in common: an element, or a point alone."""
+
+    alive: NDArray[np.uint8]  # [e], 0 where it was eroded
+    jacobian: Array  # [e], J
+    viscous_pressure: Array  # [e], of the bulk viscosity, MPa
+    viscous_loss: Array  # [e], by the bulk viscosity per reference volume, mJ/mm^3
+
+
+def material_at_rest(material: MaterialBlock, count: int, real: Real = np.float64) -> MaterialState:
+    """Return stress-free points."""
+    return MaterialState(
+        stress=np.zeros((count, 6), real),
+        history=material.history(count, real),
+        dissipated=np.zeros(count, real),
+        hypoelastic=np.zeros(count, real),
+    )
+
+
+def volume_at_rest(count: int, real: Real = np.float64, jacobian: Real = np.float64) -> VolumeState:
+    """Return undeformed volumes; ``jacobian`` is the precision of J."""
+    return VolumeState(
+        alive=np.ones(count, np.uint8),
+        jacobian=np.ones(count, jacobian),
+        viscous_pressure=np.zeros(count, real),
+        viscous_loss=np.zeros(count, real),
+    )
 
 
 @inline
-def recall(points: Any, p: int, work: Any, i: int, blank: History) -> None:
-    """Take what point p carries to the workspace."""
-    keep(work, STRESS, i, components(read(points.stress[p])))
-    keep(work, HISTORY, i, load(points.history[p], blank))
-    keep(work, JACOBIAN, i, points.jacobian[p])
-    keep(work, VISCOUS, i, points.viscous_pressure[p])
-    keep(work, LOSS, i, points.dissipated[p])
-    keep(work, HYPOELASTIC, i, points.hypoelastic[p])
-    keep(work, VISCOUS_LOSS, i, points.viscous_loss[p])
+def load_material(state: MaterialState, q: int, work: Any, i: int, n_history: int) -> None:
+    """Take what the material has at point q to the workspace."""
+    store_sym(work, STRESS, i, read(state.stress[q]))
+    for h in range(n_history):
+        store(work, HISTORY + h, i, state.history[q, h])
+    store(work, DISSIPATED, i, state.dissipated[q])
+    store(work, HYPOELASTIC, i, state.hypoelastic[q])
 
 
 @inline
-def remember(points: Any, p: int, work: Any, i: int, blank: History) -> None:
-    """Give point p back what it carries."""
-    write(points.stress[p], read(kept(work, STRESS, i, SIX)))
-    store(points.history[p], kept(work, HISTORY, i, blank))
-    points.jacobian[p] = kept(work, JACOBIAN, i, 0.0)
-    points.viscous_pressure[p] = kept(work, VISCOUS, i, 0.0)
-    points.dissipated[p] = kept(work, LOSS, i, 0.0)
-    points.hypoelastic[p] = kept(work, HYPOELASTIC, i, 0.0)
-    points.viscous_loss[p] = kept(work, VISCOUS_LOSS, i, 0.0)
+def store_material(state: MaterialState, q: int, work: Any, i: int, n_history: int) -> None:
+    """Give point q back what the material has there."""
+    write(state.stress[q], load_sym(work, STRESS, i))
+    for h in range(n_history):
+        state.history[q, h] = load(work, HISTORY + h, i)
+    state.dissipated[q] = load(work, DISSIPATED, i)
+    state.hypoelastic[q] = load(work, HYPOELASTIC, i)
+
+
+@inline
+def load_volume(state: VolumeState, e: int, work: Any, i: int) -> None:
+    """Take what the points of e share to the workspace."""
+    store(work, JACOBIAN, i, state.jacobian[e])
+    store(work, VISCOUS, i, state.viscous_pressure[e])
+    store(work, VISCOUS_LOSS, i, state.viscous_loss[e])
+
+
+@inline
+def store_volume(state: VolumeState, e: int, work: Any, i: int) -> None:
+    """Give e back what its points share."""
+    state.jacobian[e] = load(work, JACOBIAN, i)
+    state.viscous_pressure[e] = load(work, VISCOUS, i)
+    state.viscous_loss[e] = load(work, VISCOUS_LOSS, i)
+
+
+@inline
+def store_strain(work: Any, i: int, gradient: Matrix, material: MaterialCode) -> Sym:
+    """Split the displacement gradient of a step, taken at mid-step; return the strain increment, which is not stored.
+
+    Whether points share a dilatation is for the method to say, which stores ``STRAIN`` and J at the end (``AFTER``).
+    """
+    strain, rotation = strain_and_rotation(gradient)
+    store(work, ROTATION, i, rotation)
+    if material.needs_deformation:
+        store(work, GRADIENT, i, gradient)
+    return strain
+
+
+@inline
+def apply_viscosity(
+    work: Any, i: int, material: MaterialCode, viscosity: BulkViscosity, length: float, rate: float,
+    swept_before: float, swept: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Find the bulk viscosity of point i after the step, count its work, and let J be that at the step's end.
+
+    Args:
+        work: the block.
+        i: the point.
+        material: whose wave speed counts.
+        viscosity: the coefficients.
+        length: of the cell [mm].
+        rate: of volumetric strain [1/ms].
+        swept_before: change of volume, over the reference volume, on which the pressure of the step's start works.
+        swept: that on which the new pressure does.
+
+    Returns:
+        The present wave speed [mm/ms], and q / (rho l |d|) [mm/ms].
+    """
+    after = load(work, AFTER, i)
+    sound = math.sqrt(load(work, MODULUS, i) / material.density) * math.sqrt(after)
+    pressure, damping = viscous_pressure(viscosity, material.density / after, length, sound, rate)
+    add(work, VISCOUS_LOSS, i, -(swept_before * load(work, VISCOUS, i) + swept * pressure))
+    store(work, VISCOUS, i, pressure)
+    store(work, JACOBIAN, i, after)
+    return sound, damping
+
+
+@kernel(CHUNKS)
+def sum_energies(
+    part: int, state: MaterialState, volume_state: VolumeState, volume: Array, material: MaterialCode, sums: Array
+) -> None:
+    """Sum over each chunk of points the energies [mJ], into ``sums[chunk, SUMS]``.
+
+    They are: stored, dissipated by the material, taken as volume changes under shear, taken by the bulk viscosity, and
+    stored in what was eroded. ``volume[q]`` is the reference volume of each point [mm^3].
+    """
+    per, row = len(volume) // len(volume_state.alive), sums[part]
+    row[:] = 0.0
+    cells = chunk(part, CHUNKS, len(volume_state.alive))
+    work = workspace(material.n_history)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+    for first in range(cells.start * per, cells.stop * per, BLOCK):
+        count = min(BLOCK, cells.stop * per - first)
+        for i in range(count):
+            store(work, JACOBIAN, i, volume_state.jacobian[(first + i) // per])
+            load_material(state, first + i, work, i, material.n_history)
+        call_block(material.energies, work, count, material.numbers)
+        for i in range(count):
+            e, v = (first + i) // per, np.float64(volume[first + i])
+            row[STORED_ENERGY if volume_state.alive[e] else ERODED_ENERGY] += v * load(work, STORED, i)
+            row[DISSIPATED_ENERGY] += v * load(work, DISSIPATED, i)
+            row[HYPOELASTIC_WORK] += v * load(work, HYPOELASTIC, i)
+            row[VISCOUS_WORK] += v * volume_state.viscous_loss[e]

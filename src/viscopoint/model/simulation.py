@@ -1,4 +1,4 @@
-"""Drives any method through time: exact snapshot times, ledger, guards, outputs."""
+"""Drives bodies through time: exact snapshot times, energy balances, guards, outputs."""
 
 import math
 import time as clock
@@ -7,9 +7,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from viscopoint.integrators.central_differences import CentralDifferences
 from viscopoint.kernels.jit import check_ready
 from viscopoint.model.build import Model
-from viscopoint.model.energy_balance import Ledger, Row, row_of
+from viscopoint.model.energy_balance import EnergyBalance, Row, row_of
 from viscopoint.model.guards import GuardError, check_row, check_step, is_finite, lost_in_words
 from viscopoint.results.checkpoint import Checkpoint, Keeper
 from viscopoint.results.interruption import Stop
@@ -28,14 +29,18 @@ class Outcome(NamedTuple):
     signal: str  # that interrupted it, such as "SIGINT"
     rows: list[Row]  # at the snapshots
     steps: int
-    wall_time: float  # s, of the steps and the ledger, less the first step, which may compile
+    wall_time: float  # s, of the steps and the measurements, less the first step, which may compile
     energy_error: float  # greatest share of the initial energy that was ever missing
     momentum_error: float  # greatest difference ever of momentum gained and impulse received, N ms
     hourglass_share: float  # greatest ever, %
 
 
 class Simulation:
-    """A model on its way from the start of its case, or from a checkpoint, to the end."""
+    """The bodies of a model on their way from the start of its case, or from a checkpoint, to the end.
+
+    One step serves all, the shortest that any of them needs. Each has an energy balance of its own; what is written is
+    the first body's, the rod's.
+    """
 
     def __init__(
         self,
@@ -49,11 +54,11 @@ class Simulation:
         check_ready()  # the model may have been built before a fork
         self.model, self.writers, self.watch = model, writers, watch
         self.keeper, self.stop = keeper, stop or Stop()
-        self.ledger = Ledger(model.method, model.body.surface)
+        self.integrator = CentralDifferences(model.bodies)
+        self.balances = tuple(EnergyBalance(body) for body in model.bodies)
+        self.balance = self.balances[0]
         self.time, self.step, self.time_step, self.busy = 0.0, 0, 0.0, 0.0
-        self.rows: list[Row] = []
-        self.errors = (0.0, 0.0, 0.0)  # of energy and momentum, and the share of hourglass energy: the greatest so far
-        self.first_step = model.method.stable_step()
+        self.first_steps = [body.stable_step() for body in model.bodies]
 
     @np.errstate(all="ignore")  # guards tell what is not finite, once
     def run(self) -> Outcome:
@@ -66,21 +71,23 @@ class Simulation:
             self._keep_last_state()
         except KeyboardInterrupt:
             status, reason = "interrupted", f"interrupted after t = {self.time * 1e3:.4g} us"
-        if status == "complete" and self.ledger.before.lost:
-            status, reason = LOSSES, lost_in_words(self.ledger.before, self.ledger.start.mass, self.model.method)
+        lossy = [balance for balance in self.balances if balance.before.lost]
+        if status == "complete" and lossy:
+            told = [lost_in_words(balance.before, balance.start.mass, balance.method) for balance in lossy]
+            status, reason = LOSSES, "; ".join(told)
         signal = self.stop.asked if status == "interrupted" else ""  # one that came in the last step changes nothing
-        return Outcome(status, reason, signal, self.rows, self.step, self.busy, *self.errors)
+        return Outcome(status, reason, signal, self.balance.rows, self.step, self.busy, *self.balance.errors)
 
     def _go(self) -> None:
-        if not self.rows:
+        if not self.balance.rows:
             self._snapshot(self._record(0.0))
-        check_step(self.time, self.first_step, self.model.case.guards, self.model.method)
-        for instant in self._instants()[len(self.rows) - 1 :]:
+        self._check_steps()
+        for instant in self._instants()[len(self.balance.rows) - 1 :]:
             self._snapshot(self._advance_to(instant))
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Go on from a checkpoint of the same model by the same version; raise ``ValueError`` if it is none."""
-        progress = checkpoint.progress
+        progress, balance = checkpoint.progress, self.balance
         rows = [row_of(values) for values in progress.rows]
         instants, newest = [0.0, *self._instants()], row_of(progress.before)
         ordered = rows[-1].time <= newest.time <= progress.time <= instants[-1]
@@ -88,22 +95,22 @@ class Simulation:
             raise ValueError("its numbers are not finite")
         if [row.time for row in rows] != instants[: len(rows)] or not ordered:
             raise ValueError("its times are not those of the case")
-        if not np.allclose(progress.start, self.ledger.start.flat(), rtol=1e-9):
+        if not np.allclose(progress.start, balance.start.flat(), rtol=1e-9):
             raise ValueError("it does not begin as the case does")
         self.model.method.restore(checkpoint.state)
-        self.ledger.restore(progress.start, progress.before, progress.internal)
+        balance.restore(progress.start, progress.before, progress.internal)
         self.time, self.step, self.time_step = progress.time, progress.step, progress.time_step
-        self.busy, self.errors = progress.busy, progress.errors
-        self.rows = rows
+        self.busy, balance.errors, balance.rows = progress.busy, progress.errors, rows
 
     def _checkpoint(self) -> None:
         if self.keeper is None:
             return
+        balance = self.balance
         self.keeper.write(
             self.model.method.state(),
-            time=self.time, step=self.step, time_step=self.time_step, busy=self.busy, errors=self.errors,
-            start=self.ledger.start.flat(), before=list(self.ledger.before), internal=self.ledger.internal,
-            rows=[list(row) for row in self.rows],
+            time=self.time, step=self.step, time_step=self.time_step, busy=self.busy, errors=balance.errors,
+            start=balance.start.flat(), before=list(balance.before), internal=balance.internal,
+            rows=[list(row) for row in balance.rows],
             marks=[writer.mark() for writer in self.writers],
         )  # fmt: skip
 
@@ -116,52 +123,60 @@ class Simulation:
                 instants.append(instant)
         return instants
 
-    def _advance_to(self, instant: float) -> Row:
+    def stable_step(self) -> float:
+        """Return the longest step that all bodies can take next [ms]."""
+        return min(body.stable_step() for body in self.model.bodies)
+
+    def _advance_to(self, instant: float) -> list[Row]:
         """Step to an instant exactly, in steps of equal length as far as the stable step allows."""
-        method, case = self.model.method, self.model.case
-        row, between = self.ledger.before, case.output.history_interval or 0.0
+        rows = [balance.before for balance in self.balances]
+        between = self.model.case.output.history_interval or 0.0
         while self.time < instant:
             began = clock.perf_counter()
-            left = math.ceil((instant - self.time) / method.stable_step() * (1 - SAME_TIME))
+            left = math.ceil((instant - self.time) / self.stable_step() * (1 - SAME_TIME))
             dt = (instant - self.time) / max(left, 1)
-            method.advance(dt)
+            self.integrator.advance(dt)
             self.time = instant if left <= 1 else self.time + dt
             self.step, self.time_step = self.step + 1, dt
-            if left <= 1 or self.time - row.time >= between:
-                row = self._record(dt)
-            check_step(self.time, self.first_step, case.guards, method)
+            if left <= 1 or self.time - rows[0].time >= between:
+                rows = self._record(dt)
+            self._check_steps()
             self.busy += clock.perf_counter() - began if self.step > 1 else 0.0
             if self.stop.asked or (self.keeper and self.keeper.due(self.time)):
                 self._checkpoint()
             if self.stop.asked:
                 raise KeyboardInterrupt
-        return row
+        return rows
 
-    def _record(self, dt: float) -> Row:
+    def _check_steps(self) -> None:
+        for body, first in zip(self.model.bodies, self.first_steps, strict=True):
+            check_step(self.time, first, self.model.case.guards, body)
+
+    def _record(self, dt: float) -> list[Row]:
         """Measure, hand the row to all who want it, and let the guards look at it."""
-        row = self.ledger.row(self.time, self.step, dt)
+        rows = [balance.record(self.time, self.step, dt) for balance in self.balances]
         for writer in self.writers:
-            writer.row(row)
+            writer.row(rows[0])
         if self.watch:
-            self.watch(self.time / self.model.case.time.end, row)
-        start = self.ledger.start
-        now = (abs(row.numerical) / (start.kinetic + start.stored), row.momentum_error, row.hourglass_share)
-        self.errors = tuple(map(max, self.errors, now))
-        check_row(row, start, self.model.case.guards, self.model.method)
-        return row
+            self.watch(self.time / self.model.case.time.end, rows[0])
+        for balance, row in zip(self.balances, rows, strict=True):
+            check_row(row, balance.start, self.model.case.guards, balance.method)
+        return rows
 
     def _keep_last_state(self) -> None:
         """Keep what a guard stopped at, if there is anything new and finite to see."""
-        row = self.ledger.before
-        if row.time < self.time:  # no row was due at this step
-            row = self.ledger.row(self.time, self.step, self.time_step)
+        rows = [balance.before for balance in self.balances]
+        if rows[0].time < self.time:  # no row was due at this step
+            rows = [balance.row(self.time, self.step, self.time_step) for balance in self.balances]
             for writer in self.writers:
-                writer.row(row)
-        if is_finite(row) and (not self.rows or row.time > self.rows[-1].time):
-            self._snapshot(row)
+                writer.row(rows[0])
+        if is_finite(rows[0]) and (not self.balance.rows or rows[0].time > self.balance.rows[-1].time):
+            self._snapshot(rows)
 
-    def _snapshot(self, row: Row) -> None:
-        fields = self.model.method.snapshot()
-        for writer in self.writers:
-            writer.snapshot(row.time, fields)
-        self.rows.append(row)
+    def _snapshot(self, rows: list[Row]) -> None:
+        if self.writers:
+            fields = self.model.method.snapshot()
+            for writer in self.writers:
+                writer.snapshot(rows[0].time, fields)
+        for balance, row in zip(self.balances, rows, strict=True):
+            balance.rows.append(row)

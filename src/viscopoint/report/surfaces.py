@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscopoint.figures.revolve import AROUND, outer_edges, surface_points, swept, turns
+from viscopoint.figures.revolve import AROUND, edges_off_axis, surface_points, swept, turns
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.methods.fem.mesh import outer_faces
 from viscopoint.model.body import Body, in_half_plane, spacing
@@ -33,7 +33,7 @@ def skin_of_elements(body: Body, snapshots: Sequence[Snapshot]) -> Skin:
 
 def skin_of_rings(body: Body, snapshots: Sequence[Snapshot], coarser: int = 1) -> Skin:
     """Return what the elements of a half section show as they turn around the axis, in ``coarser`` turns."""
-    sets, faces_at = _outermost(body, snapshots, lambda cells: outer_edges(body, cells))
+    sets, faces_at = _outermost(body, snapshots, lambda cells: edges_off_axis(body, cells))
     nodes = np.unique(np.concatenate([edges.ravel() for edges in sets]))
     around = AROUND // coarser
     points, angle = turns(nodes, around)

@@ -19,7 +19,7 @@ from safetensors.numpy import save_file
 
 from viscopoint.case.units import parse
 from viscopoint.errors import InputError
-from viscopoint.kernels.arrays import Rows
+from viscopoint.kernels.arrays import AnyArray
 from viscopoint.results.folder import Held, sync, whole
 
 FOLDER = "checkpoints"
@@ -58,7 +58,7 @@ class Checkpoint(NamedTuple):
     """What a file holds."""
 
     progress: Progress
-    state: dict[str, Rows]
+    state: dict[str, AnyArray]
 
 
 class Every(NamedTuple):
@@ -98,7 +98,7 @@ class Keeper:
         """Return whether it is time for one, at a time of the run [ms]."""
         return clock.monotonic() - self.written[0] >= self.every.wall or time - self.written[1] >= self.every.simulated
 
-    def write(self, state: Mapping[str, Rows], **progress: Any) -> None:
+    def write(self, state: Mapping[str, AnyArray], **progress: Any) -> None:
         """Write a checkpoint and forget all but the last two; ``progress`` has the fields of ``Progress``."""
         self.held.check()
         words = Progress(sources=self.sources, case=self.case, **progress)
@@ -108,7 +108,7 @@ class Keeper:
         self.written = clock.monotonic(), words.time
 
 
-def save(file: Path, progress: Progress, state: Mapping[str, Rows]) -> None:
+def save(file: Path, progress: Progress, state: Mapping[str, AnyArray]) -> None:
     """Write a checkpoint whole or not at all."""
     file.parent.mkdir(exist_ok=True)
     text = progress.model_dump_json()
@@ -121,7 +121,7 @@ def save(file: Path, progress: Progress, state: Mapping[str, Rows]) -> None:
             sync(written)
 
 
-def load(file: Path, like: Mapping[str, Rows]) -> Checkpoint:
+def load(file: Path, like: Mapping[str, AnyArray]) -> Checkpoint:
     """Read a checkpoint whose state has the names, types and shapes of ``like``.
 
     Raises:
@@ -148,7 +148,7 @@ def load(file: Path, like: Mapping[str, Rows]) -> Checkpoint:
         raise ValueError(f"{file.name}: {error}") from None
 
 
-def newest(folder: Path, like: Mapping[str, Rows]) -> tuple[Checkpoint | None, list[str]]:
+def newest(folder: Path, like: Mapping[str, AnyArray]) -> tuple[Checkpoint | None, list[str]]:
     """Return a run folder's last sound checkpoint, and what is wrong with those after it."""
     faults: list[str] = []
     for file in _newest_first(folder):
@@ -191,7 +191,7 @@ def _newest_first(folder: Path) -> list[Path]:
     return sorted(filter(Path.is_file, found), reverse=True)
 
 
-def _checksum(text: str, state: Mapping[str, Rows]) -> str:
+def _checksum(text: str, state: Mapping[str, AnyArray]) -> str:
     total = hashlib.sha256(text.encode())
     for name in sorted(state):
         total.update(f"{name} {state[name].dtype.str} {state[name].shape}".encode())

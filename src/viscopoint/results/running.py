@@ -239,7 +239,7 @@ def _compute(
             with using(chosen(company.threads, model.body)), _noting_failure(held, model):
                 outcome = simulation.run()
         held.check()
-        start, advice = simulation.ledger.start.kinetic, model.method.advice
+        start, advice = simulation.balance.start.kinetic, model.method.failure_hints
         _write_summary(folder, Summary.of_start(model).ended(outcome, start, advice))
         result = Run(folder)
         write_json(folder / PROVENANCE, result.provenance | {"ended": now()})

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from viscopoint.methods.fem.forms import quality
 from viscopoint.model.build import Model, mass_in_words
 from viscopoint.model.energy_balance import UNITS, Row
-from viscopoint.model.method import Advice
+from viscopoint.model.method import FailureHints
 from viscopoint.model.simulation import LOSSES, Outcome
 
 KEYS = {
@@ -77,7 +77,7 @@ class Summary(BaseModel):
             warnings=[f"{mass_in_words(model)}; take {model.case.method.finer}"] if doubtful else [],
         )
 
-    def ended(self, outcome: Outcome, initial_energy: float, advice: Advice) -> "Summary":
+    def ended(self, outcome: Outcome, initial_energy: float, advice: FailureHints) -> "Summary":
         """Return the summary of the run when it has ended; ``advice`` is its method's."""
         doubts = [f"{outcome.reason}; {advice.lost}"] if outcome.status == LOSSES else []
         if outcome.hourglass_share > DOUBTFUL_HOURGLASSING and "hourglass" not in outcome.reason:

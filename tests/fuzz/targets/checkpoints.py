@@ -12,7 +12,7 @@ from edits import edited
 import viscopoint as vp
 from viscopoint.case.case import Case
 from viscopoint.errors import InputError
-from viscopoint.kernels.arrays import Rows
+from viscopoint.kernels.arrays import AnyArray
 from viscopoint.model.build import build
 from viscopoint.model.energy_balance import Row
 from viscopoint.results import checkpoint
@@ -111,7 +111,7 @@ def _spoilt_list(choices: Choices, values: list[Any]) -> list[Any]:
     return spoilt
 
 
-def _spoilt(choices: Choices, rows: Rows) -> str:
+def _spoilt(choices: Choices, rows: AnyArray) -> str:
     flat = rows.reshape(-1)
     value, place = one_of(choices, WILD), choices.integer(0, flat.size - 1)
     with np.errstate(all="ignore"):

@@ -10,9 +10,8 @@ from pydantic import Field
 from viscopoint.case.rules import rule
 from viscopoint.case.tables import Impact, MethodInput, Rod, Table, Time, one_of
 from viscopoint.case.units import Length
-from viscopoint.errors import nearest
 from viscopoint.kernels.arrays import PRECISIONS
-from viscopoint.materials import Law
+from viscopoint.materials import Material
 from viscopoint.methods.fem.elements import ELEMENTS, Element
 from viscopoint.methods.fem.hourglass import HOURGLASS, StiffnessControl, ViscousControl
 from viscopoint.methods.fem.method import Discretisation, FiniteElementMethod
@@ -31,9 +30,10 @@ class Mesh(NamedTuple):
 
     body: Callable[[float, float, float, float], Body]
     elements: Callable[[float, float, float, float], int]  # how many
+    corners: int  # of an element
 
 
-MESHES = {"3d": Mesh(rod_mesh, rod_elements), "axisymmetric": Mesh(section_mesh, section_elements)}
+MESHES = {"3d": Mesh(rod_mesh, rod_elements, 8), "axisymmetric": Mesh(section_mesh, section_elements, 4)}
 # of an element with nodes and one snapshot being written, and of each of its integration points: generous counts
 BYTES_PER_ELEMENT, BYTES_PER_INTEGRATION_POINT = 1400, 250
 FEWER = "take a mesh of fewer elements"
@@ -62,7 +62,7 @@ class FEMInput(MethodInput):
     mesh: str | None = Field(default=None, max_length=1000)
     mesh_unit: Length = 1.0
     geometry: Literal["3d", "axisymmetric"] = "3d"
-    element: one_of(ELEMENTS["3d"]) = "one-point"  # pyright: ignore[reportInvalidTypeForm]
+    element: one_of(ELEMENTS) = "one-point"  # pyright: ignore[reportInvalidTypeForm]
     hourglass: HourglassInput = HourglassInput()
     safety: float = Field(default=0.95, gt=0, le=1)
     delete_below: float = Field(default=0.0, ge=0, lt=1)
@@ -103,10 +103,11 @@ class FEMInput(MethodInput):
         return Need("method.mesh", f"{self.mesh} has {elements:.1e} elements", self._bytes(elements), FEWER)
 
     def _bytes(self, elements: int) -> float:
-        return float(elements) * (BYTES_PER_ELEMENT + self._element().points * BYTES_PER_INTEGRATION_POINT)
+        points = MESHES[self.geometry].corners if self._element().full else 1
+        return float(elements) * (BYTES_PER_ELEMENT + points * BYTES_PER_INTEGRATION_POINT)
 
     def _element(self) -> Element:
-        return ELEMENTS[self.geometry][self.element].controlled(self.hourglass.build())
+        return ELEMENTS[self.element].controlled(self.hourglass.build())
 
     def body(self, rod: Rod) -> Body:
         """Return the rod's mesh; raise ``InputError`` if that of a file will not do."""
@@ -115,11 +116,11 @@ class FEMInput(MethodInput):
         assert self.size is not None
         return MESHES[self.geometry].body(rod.radius, rod.length, self.size, self.grading)
 
-    def build(self, rod: Rod, impact: Impact, law: Law) -> FiniteElementMethod:
+    def build(self, rod: Rod, impact: Impact, material: Material) -> FiniteElementMethod:
         """Return the rod as finite elements on their way to the wall."""
         choices = Discretisation(
             element=self._element(),
-            safety=self.safety,
+            time_step_factor=self.safety,
             viscosity=self.bulk_viscosity.build(),
             delete_below=self.delete_below,
             real=PRECISIONS[self.precision],
@@ -127,7 +128,7 @@ class FEMInput(MethodInput):
         body, motion = self.body(rod), (0.0, 0.0, -impact.speed)
         if self.mesh is not None:
             memory.check(self._need_of(body), memory.free())
-        return FiniteElementMethod(body, law, (impact.boundary(),), choices, motion)
+        return FiniteElementMethod(body, material, (impact.boundary(),), choices, motion)
 
 
 @rule("method.size", "method.mesh")
@@ -150,12 +151,6 @@ def grading_of_the_rod_s_own_mesh(grading: float, mesh: str | None) -> str | Non
     return (
         f"{grading:g} has no effect on method.mesh, whose elements are as they are" if mesh and grading != 1 else None
     )
-
-
-@rule("method.element", "method.geometry")
-def element_of_the_geometry(element: str, geometry: str) -> str | None:
-    there = ELEMENTS[geometry]
-    return None if element in there else f'is not there for method.geometry "{geometry}"; {nearest(element, there)}'
 
 
 @rule("method.geometry", "method.mesh")

@@ -6,15 +6,16 @@ node sums its elements in the same order, whatever the thread count.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.kernels.jit import kernel
-from viscopoint.methods.fem.hexahedron import ETA, GAUSS, XI, ZETA, modes, stable_length, volume, volume_gradient
+from viscopoint.kernels.jit import PARTS, kernel
+from viscopoint.kernels.slabs import chunk
+from viscopoint.methods.fem.cells import stable_length, volume, volume_gradient
+from viscopoint.methods.fem.cells.hexahedron import ETA, GAUSS, XI, ZETA, Hexahedron, modes
 
 EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))  # seen from outside
@@ -33,7 +34,9 @@ class Form(NamedTuple):
     edges: tuple[tuple[int, int], ...]  # corners that an edge joins
     point_volumes: Callable[[Array, Indices], Array]  # that each integration point of a full rule stands for, mm^3
     scaled_jacobians: Callable[[Array, Indices], Array]  # 1 for a brick, 0 where an element degenerates
-    held: Callable[[Array], NDArray[np.uint8]]  # of positions: bit a where a node cannot move along axis a
+    free: Callable[[Array], Array]  # of positions [n, 3]: 0 along axes along which a node cannot move, else 1
+    outer: Callable[[Indices], Indices]  # the faces, or edges, that belong to one element only
+    cell: Any  # of ``cells``
     moving: tuple[float, float, float]  # 1 for the axes along which the whole body has a momentum, 0 for the others
 
 
@@ -120,12 +123,12 @@ def stable_lengths(position: Array, corner: Indices) -> Array:
     return lengths
 
 
-@kernel
-def _measure_lengths(position: Array, corner: NDArray[np.uint64], lengths: Array) -> None:
-    for e in prange(len(corner)):
+@kernel()
+def _measure_lengths(part: int, position: Array, corner: NDArray[np.uint64], lengths: Array) -> None:
+    for e in chunk(part, PARTS, len(corner)):
         place = modes(position, corner[e])
         gradient = volume_gradient(place)
-        lengths[e] = stable_length(gradient, volume(place, gradient))
+        lengths[e] = stable_length(place, gradient, volume(place, gradient))
 
 
 def scaled_jacobians(position: Array, corner: Indices) -> Array:
@@ -142,14 +145,6 @@ def scaled_jacobians(position: Array, corner: Indices) -> Array:
     return least
 
 
-def free(position: Array) -> NDArray[np.uint8]:
-    """Return that no node is held by where it stands."""
-    return np.zeros(len(position), np.uint8)
-
-
-HEXAHEDRA = Form(EDGES, point_volumes, scaled_jacobians, free, (1.0, 1.0, 1.0))
-
-
 def outer_faces(corner: Indices) -> Indices:
     """Return the quadrilaterals that belong to one element only, ``[f, 4]`` nodes counted from outside."""
     faces = np.concatenate([corner[:, face] for face in FACES])
@@ -163,3 +158,6 @@ def outer_faces(corner: Indices) -> Indices:
     alone[1:] &= differs
     alone[:-1] &= differs
     return faces[np.sort(order[alone])]
+
+
+HEXAHEDRA = Form(EDGES, point_volumes, scaled_jacobians, np.ones_like, outer_faces, Hexahedron(), (1.0, 1.0, 1.0))

@@ -1,35 +1,24 @@
 """The finite element method as the driver sees it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from viscopoint.errors import InputError
-from viscopoint.interactions.planes import TALLY, RigidWall, Symmetry
-from viscopoint.kernels.arrays import Array, Real, Rows
-from viscopoint.materials import Law, step_factors
+from viscopoint.interactions.planes import Interaction
+from viscopoint.kernels.arrays import AnyArray, Array, Real
+from viscopoint.materials import Material
 from viscopoint.methods.fem.elements import Element, Limits
 from viscopoint.methods.fem.forms import form_of
 from viscopoint.methods.fem.mesh import slabs
-from viscopoint.methods.fem.motion import arrive, set_off
-from viscopoint.methods.fem.state import (
-    CHUNKS,
-    Elements,
-    Nodes,
-    elements_at_rest,
-    nodes_at_rest,
-    sum_elements,
-    sum_nodes,
-    unload,
-)
+from viscopoint.methods.fem.state import Elements, elements_at_rest
+from viscopoint.methods.lagrangian import LagrangianBody
 from viscopoint.model.body import Body
-from viscopoint.model.method import Advice, Field, Totals, history_fields, von_mises_of
+from viscopoint.model.method import FailureHints, Field, history_fields, von_mises_of
+from viscopoint.model.nodes import nodes_at_rest
+from viscopoint.model.points import MaterialState, VolumeState
 from viscopoint.model.viscosity import BulkViscosity, signal_speed
-
-ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane of symmetry stand on it
-CONSTANT = ("mass", "fixed", "corner", "volume")  # of what nodes and elements have
-NO_WALL = RigidWall(-np.inf, 0.0)
 
 
 @dataclass(frozen=True)
@@ -37,16 +26,16 @@ class Discretisation:
     """The choices that make a finite element method."""
 
     element: Element  # of ``fem.elements``
-    safety: float  # share of the critical step to take
+    time_step_factor: float  # share of the critical step to take
     viscosity: BulkViscosity
     delete_below: float = 0.0  # share of the first stable step below which elements are deleted; 0: none is
     real: Real = np.float64  # of the elements' state
 
 
-class FiniteElementMethod:
+class FiniteElementMethod(LagrangianBody):
     """A body of hexahedra, or of rings of quadrilateral section, moving at ``velocity`` [mm/ms] at the start."""
 
-    advice = Advice(
+    failure_hints = FailureHints(
         lost="elements are deleted that should deform; take a smaller method.delete_below, or 0, or a coarser mesh",
         unstable="the integration became unstable; take a smaller method.safety",
         dissipating="the integration is becoming unstable; take a smaller method.safety",
@@ -63,112 +52,79 @@ class FiniteElementMethod:
     def __init__(
         self,
         body: Body,
-        law: Law,
-        boundaries: tuple[RigidWall | Symmetry, ...],
+        material: Material,
+        interactions: Sequence[Interaction],
         choices: Discretisation,
         velocity: tuple[float, float, float] | Array,
     ) -> None:
-        self.body, self.law, self.element = body, law, choices.element
-        self.safety, self.viscosity = choices.safety, choices.viscosity
-        self.blank = (0.0,) * sum(size for _, size in law.history_fields)
-        self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
+        super().__init__(body, material, choices.time_step_factor)
+        self.element, self.viscosity = choices.element, choices.viscosity
         self.form = form_of(body.cells)
         volume = self.form.point_volumes(body.position, body.cells)
-        volume = volume if self.element.points > 1 else volume.sum(axis=1, keepdims=True)
-        self.nodes: Nodes = nodes_at_rest(body, law.density)
+        volume = volume if self.element.full else volume.sum(axis=1, keepdims=True)
+        self.nodes = nodes_at_rest(body.position, material.density * body.volume, self.form.free(body.position))
         self.elements: Elements = elements_at_rest(
-            body.cells, volume, len(self.blank), self.element.memory, choices.real
+            body.cells, volume, self.block, self.element.hourglass_modes, choices.real
         )
         self.slabs = slabs(body.position, body.cells)
-        self.wall = NO_WALL
-        for boundary in boundaries:
-            self._stand_between(boundary)
+        surface = np.arange(len(body.position)) if choices.delete_below else np.unique(self.form.outer(body.cells))
+        self.act_on(interactions, surface)
         count = len(self.slabs.start) - 1
-        self.limits = Limits(np.full(count, np.inf), np.full(count, -1), -1.0)
+        self.critical = np.full(count, np.inf)
+        self.limits = Limits(self.critical, np.full(count, -1), -1.0)
         self._find_first_step(choices.delete_below)
         self.nodes.velocity[:] = velocity
         self._allow_for_impact()
-        self.tally = np.zeros(TALLY)  # of wall and planes of symmetry, since the start
 
     def _find_first_step(self, share: float) -> None:
         """Let elements at rest say how long a step they allow; some share of it is where they are deleted."""
+        start = {name: rows.copy() for name, rows in self.state().items()}
         viscosity, self.viscosity = self.viscosity, BulkViscosity(0.0, 0.0)
-        self._answer(1.0)
+        self.strain(1.0)
         self.viscosity = viscosity
-        unload(self.elements)  # rounding
-        self.nodes.force[:] = 0.0
-        self.limits.weakest[:] = -1
+        self.restore(start | {"critical": self.critical})  # what rounding has left
+        self.limits.limiting[:] = -1
         if share > 0.0:
-            self.limits = self.limits._replace(delete_below=share * float(self.limits.critical.min()))
+            self.limits = self.limits._replace(delete_below=share * float(self.critical.min()))
 
     def _allow_for_impact(self) -> None:
         """Shorten the first step by what bulk viscosity and flight may do in it."""
         fastest = float(np.linalg.norm(self.nodes.velocity, axis=1).max())
         linear, quadratic = self.viscosity
         damping = np.sqrt(3.0) * (linear * self.sound + quadratic * fastest)  # of a cube that is struck
-        self.limits.critical[:] *= self.sound / (signal_speed(self.sound, damping) + fastest)
+        self.critical[:] *= self.sound / (signal_speed(self.sound, damping) + fastest)
 
-    def _answer(self, dt: float) -> None:
-        factors = step_factors(self.law, dt)
-        self.element.answer(
-            self.nodes, self.elements, self.slabs, self.limits, self.law, factors, self.blank, self.sound,
-            self.viscosity, dt,
-        )  # fmt: skip
-
-    def _stand_between(self, boundary: RigidWall | Symmetry) -> None:
-        if isinstance(boundary, RigidWall):
-            self.wall = boundary
-            return
-        place = self.body.position[:, boundary.axis]
-        on = np.abs(place - boundary.position) <= ON_PLANE * np.ptp(self.body.position, axis=0).max()
-        if not on.any():
-            raise InputError(
-                f"no node stands on the plane of symmetry {'xyz'[boundary.axis]} = {boundary.position:g} mm"
-            )
-        self.nodes.fixed[on] |= np.uint8(1 << boundary.axis)
-
-    def stable_step(self) -> float:
-        return self.safety * float(self.limits.critical.min())
-
-    def advance(self, dt: float) -> None:
-        """One step of velocity Verlet (central differences)."""
-        nodes, tally = self.nodes, np.zeros((CHUNKS, TALLY))
-        set_off(nodes, self.wall, dt, tally)  # v += f/m dt/2, wall, x += v dt
-        self._answer(dt)  # G, J, sigma, f
-        arrive(nodes, self.wall, dt, tally)  # v += f/m dt/2, wall
-        self.tally += tally.sum(axis=0)
+    def strain(self, dt: float) -> None:
+        material = self.block.of_step(dt)
+        self.element.internal_force(
+            self.nodes, self.elements, self.form.cell, self.slabs, self.limits, material, self.viscosity, dt
+        )
 
     # --- what the driver and the outputs ask ---
 
-    def weakest(self) -> str:
-        element = int(self.limits.weakest[self.limits.critical.argmin()])
+    @property
+    def resultant(self) -> Sequence[float]:
+        return self.form.moving
+
+    def states(self) -> tuple[MaterialState, VolumeState, Array]:
+        return self.elements.material, self.elements.shared, self.elements.volume
+
+    def hourglass_energy(self) -> float:
+        return float(self.elements.hourglass_work.sum(dtype=float))
+
+    def own_state(self) -> dict[str, AnyArray]:
+        return {
+            "hourglass_force": self.elements.hourglass_force,
+            "hourglass_work": self.elements.hourglass_work,
+        }
+
+    def limiting_element(self) -> str:
+        element = int(self.limits.limiting[self.critical.argmin()])
         if element < 0:
             return ""
         x, y, z = self.nodes.position[self.body.cells[element]].mean(axis=0)
-        state = "is turned inside out" if self.limits.critical.min() <= 0.0 else "limits it"
+        state = "is turned inside out" if self.critical.min() <= 0.0 else "limits it"
         return f"element {element}, at ({x:.3g}, {y:.3g}, {z:.3g}) mm, {state}"
-
-    def totals(self) -> Totals:
-        moving, straining = np.zeros((CHUNKS, 5)), np.zeros((CHUNKS, 6))
-        sum_nodes(self.nodes, moving)
-        sum_elements(self.elements, self.law, self.blank, straining)
-        kinetic, mass, *momentum = moving.sum(axis=0)
-        moving_along = np.array(self.form.moving)
-        stored, dissipated, viscous, hourglass, eroded, hypoelastic = (float(sum_) for sum_ in straining.sum(axis=0))
-        return Totals(
-            kinetic=float(kinetic),
-            stored=stored,
-            dissipated=dissipated,
-            hypoelastic=hypoelastic,
-            viscous=viscous,
-            hourglass=hourglass,
-            eroded=eroded,
-            contact=0.0 - float(self.tally[3]),
-            friction=0.0 - float(self.tally[4]),
-            momentum=moving_along * momentum,
-            impulse=moving_along * self.tally[:3],
-            mass=float(mass),
-        )
 
     def positions(self) -> Array:
         if self.lost() == 0:
@@ -177,21 +133,31 @@ class FiniteElementMethod:
         found[self._loose()] = np.nan
         return found
 
+    @property
+    def alive(self) -> NDArray[np.bool_]:
+        """Which elements are not deleted."""
+        return self.elements.shared.alive > 0
+
     def lost(self) -> int:
-        return len(self.elements.alive) - int(np.count_nonzero(self.elements.alive))
+        return len(self.alive) - int(np.count_nonzero(self.alive))
 
     def lost_mass(self) -> float:
-        return self.law.density * float(self.elements.volume[self.elements.alive == 0].sum())
+        return self.material.density * float(self._volumes()[~self.alive].sum())
+
+    def _volumes(self) -> Array:
+        """Return the reference volume of each element's points, ``[e, k]`` [mm^3]."""
+        return self.elements.volume.reshape(len(self.elements.corner), -1)
 
     def _loose(self) -> NDArray[np.bool_]:
         """Return which nodes belong to deleted elements only."""
         loose = np.ones(len(self.nodes.mass), bool)
-        loose[self.body.cells[self.elements.alive > 0]] = False
+        loose[self.body.cells[self.alive]] = False
         return loose
 
     def snapshot(self) -> dict[str, Field]:
         nodes, elements = self.nodes, self.elements
-        stress = self._mean(elements.stress)
+        material, shared = elements.material, elements.shared
+        stress = self._mean(material.stress)
         fields = {
             "position": Field(nodes.position, "mm"),
             "displacement": Field(nodes.position - self.body.position, "mm"),
@@ -200,26 +166,18 @@ class FiniteElementMethod:
             "stress": Field(stress, "MPa", "cells"),
             "von_mises": Field(von_mises_of(stress), "MPa", "cells"),
             "pressure": Field(-stress[:, :3].mean(axis=1), "MPa", "cells"),
-            "jacobian": Field(elements.jacobian, "1", "cells"),
+            "jacobian": Field(shared.jacobian, "1", "cells"),
             "scaled_jacobian": Field(self.form.scaled_jacobians(nodes.position, self.body.cells), "1", "cells"),
-            "viscous_pressure": Field(elements.viscous_pressure, "MPa", "cells"),
-            "dissipated_energy": Field(self._mean(elements.dissipated), "mJ/mm^3", "cells"),
-            "hourglass_energy": Field(elements.hourglass_work / elements.volume.sum(axis=1), "mJ/mm^3", "cells"),
-            "deleted": Field((elements.alive == 0).astype(np.uint8), "1", "cells"),
+            "viscous_pressure": Field(shared.viscous_pressure, "MPa", "cells"),
+            "dissipated_energy": Field(self._mean(material.dissipated), "mJ/mm^3", "cells"),
+            "hourglass_energy": Field(elements.hourglass_work / self._volumes().sum(axis=1), "mJ/mm^3", "cells"),
+            "deleted": Field((~self.alive).astype(np.uint8), "1", "cells"),
         }
-        fields |= history_fields(self.law, self._mean(elements.history), "cells")
+        fields |= history_fields(self.block.history_fields, self._mean(material.history), "cells")
         return {name: field._replace(values=np.array(field.values)) for name, field in fields.items()}
 
     def _mean(self, values: Array) -> Array:
         """Average over each element's points by their volume."""
-        weight = self.elements.volume / self.elements.volume.sum(axis=1, keepdims=True)
-        return np.einsum("ek,ek...->e...", weight, values)
-
-    def state(self) -> dict[str, Rows]:
-        named = {**self.nodes._asdict(), **self.elements._asdict()}
-        moving = {name: rows for name, rows in named.items() if name not in CONSTANT}
-        return {**moving, "critical": self.limits.critical, "tally": self.tally}
-
-    def restore(self, state: dict[str, Rows]) -> None:
-        for name, rows in self.state().items():
-            rows[...] = state[name]
+        volume = self._volumes()
+        weight = volume / volume.sum(axis=1, keepdims=True)
+        return np.einsum("ek,ek...->e...", weight, values.reshape(*volume.shape, *values.shape[1:]))

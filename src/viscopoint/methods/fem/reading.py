@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from viscopoint.errors import InputError, ViscopointWarning
-from viscopoint.kernels.arrays import Array, Indices, Rows
+from viscopoint.kernels.arrays import AnyArray, Array, Indices
 from viscopoint.messages import one_line
 from viscopoint.methods.fem.mesh import node_volumes, point_volumes, scaled_jacobians
 from viscopoint.methods.fem.rod import rim_radius
@@ -87,7 +87,7 @@ def rod_surface(position: Array, radius: float) -> Surface:
     )
 
 
-def _read(path: Path) -> dict[str, Rows]:
+def _read(path: Path) -> dict[str, AnyArray]:
     """Return what ``vtk_program`` finds in the file."""
     if wrong := unreadable(path):
         raise InputError(f"method.mesh: {wrong}")
@@ -126,7 +126,7 @@ def unreadable(path: Path) -> str | None:
     return None
 
 
-def _check_kinds(kinds: Rows, names: Rows, path: Path) -> None:
+def _check_kinds(kinds: AnyArray, names: AnyArray, path: Path) -> None:
     others = names[(kinds > FLAT) & (kinds != HEXAHEDRON) & (kinds != VOXEL)]
     if len(others):
         raise InputError(

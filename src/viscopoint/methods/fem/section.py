@@ -1,11 +1,10 @@
 """The half section of a rod as quadrilaterals that turn around the z axis: their volumes, quality and mesh."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from viscopoint.kernels.arrays import Array, Indices
+from viscopoint.methods.fem.cells.ring import ETA, GAUSS, TURN, XI, Ring
 from viscopoint.methods.fem.mesh import Form
-from viscopoint.methods.fem.quadrilateral import ETA, GAUSS, TURN, XI
 from viscopoint.methods.fem.rod import heights, layers
 from viscopoint.model.body import EXACT, Body, Surface
 
@@ -47,16 +46,27 @@ def scaled_jacobians(position: Array, corner: Indices) -> Array:
     return least
 
 
-def on_the_axis(position: Array) -> NDArray[np.uint8]:
-    """Return as bits along which axes nodes are held: those on the z axis along x."""
-    return (position[:, 0] == 0.0).astype(np.uint8)
+def off_the_axis(position: Array) -> Array:
+    """Return 0 along axes along which nodes cannot move, those on the z axis along x; else 1."""
+    free = np.ones_like(position)
+    free[position[:, 0] == 0.0, 0] = 0.0
+    return free
+
+
+def outer_edges(corner: Indices) -> Indices:
+    """Return the edges ``[f, 2]`` that belong to one element only; the body is to their left."""
+    edges = np.concatenate([corner[:, edge] for edge in EDGES])
+    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    return edges[np.sort(first[count == 1])]
 
 
 QUADRILATERALS = Form(
     edges=EDGES,
     point_volumes=point_volumes,
     scaled_jacobians=scaled_jacobians,
-    held=on_the_axis,
+    free=off_the_axis,
+    outer=outer_edges,
+    cell=Ring(),
     moving=(0.0, 0.0, 1.0),
 )
 

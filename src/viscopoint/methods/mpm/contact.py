@@ -1,74 +1,177 @@
-"""The boundaries act on the nodes of the grid plane where they stand, and beyond it."""
+"""Planes act on the nodes of the grid where they stand, and beyond it.
 
+A plane that is normal to an axis stands on the closest plane of nodes, and shape functions know it (``walls_around``).
+Any other, or one that moves, acts on the nodes behind it: its place is then known to a cell.
+"""
+
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from viscopoint.interactions.planes import TALLY, RigidWall, Symmetry, held
-from viscopoint.kernels.arrays import Array
+from viscopoint.interactions.planes import Interaction, Plane, Triple
+from viscopoint.interactions.rows import (
+    INVERSE,
+    REACTIONS,
+    TRIAL,
+    VELOCITY,
+    Rows,
+    add_row,
+    add_slot,
+    empty_rows,
+    load_slot,
+    solve,
+    with_room,
+)
+from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import serial_kernel
+from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
 from viscopoint.methods.mpm.contacts import Contact, closed
+from viscopoint.methods.mpm.contacts.nodes import Nodes
 from viscopoint.methods.mpm.grid import Grid
+from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.shapes import NOWHERE, Planes
 
-
-def plane_of(boundary: RigidWall | Symmetry, grid: Grid) -> tuple[int, float, int]:
-    """Return axis and position [mm] of a boundary, and its plane of nodes, counted from the lattice's first."""
-    axis, position = (2, boundary.height) if isinstance(boundary, RigidWall) else boundary
-    return axis, position, round((position - (grid.x0, grid.y0, grid.z0)[axis]) * grid.per_cell)
+ALIGNED = 1e-12  # 1 - |n_a|, up to which a plane is normal to axis a
+CLOSE = 1e-6  # cells; nodes no farther in front of a plane stand on it
 
 
-def walls_around(
-    boundaries: tuple[RigidWall | Symmetry, ...], grid: Grid, body_middle: tuple[float, ...]
-) -> tuple[Planes, Planes, Planes]:
-    """Return the planes of nodes between which the body is, along each axis."""
-    planes = [[NOWHERE, NOWHERE] for _ in range(3)]
-    for boundary in boundaries:
-        axis, position, plane = plane_of(boundary, grid)
-        planes[axis][int(position > body_middle[axis])] = plane
-    (x0, x1), (y0, y1), (z0, z1) = planes
-    return (x0, x1), (y0, y1), (z0, z1)
+class PlanesOnGrid:
+    """The planes that act on a body through the nodes of its grid."""
+
+    def __init__(self, interactions: Sequence[Interaction], grid: Grid, middle: Array, contact: type[Contact]) -> None:
+        """Take the planes, each with the body's ``middle`` in front; ``contact`` says where walls act."""
+        self.interactions = tuple(interactions)
+        self.reactions = np.zeros((len(self.interactions), REACTIONS))
+        self.elapsed = np.zeros(1)  # since the start, ms
+        self._planes = [_placed(each.plane, grid, middle) for each in self.interactions]
+        self._contact, self._held = contact, empty_rows(0)
+        self._slot_of = np.full(0, -1)
+
+    def around(self, grid: Grid) -> tuple[Planes, Planes, Planes]:
+        """Return the planes of nodes between which the body is, along each axis."""
+        planes = [[NOWHERE, NOWHERE] for _ in range(3)]
+        for plane in self._planes:
+            axis = _axis(plane)
+            if axis is not None and plane.speed == 0.0:
+                planes[axis][int(plane.normal[axis] < 0.0)] = _node(plane, axis, grid)
+        (x0, x1), (y0, y1), (z0, z1) = planes
+        return (x0, x1), (y0, y1), (z0, z1)
+
+    def find(self, rows: Rows, body: int, first: int, grid: Grid, points: Points, shape: Any, half: float) -> Rows:
+        """Add the rows of all planes; ``half`` is half the height of a point's material at the start [mm]."""
+        if len(self._slot_of) != len(grid.momentum):
+            self._slot_of = np.full(len(grid.momentum), -1)
+        for number, start in enumerate(self._planes):
+            gone = start.speed * float(self.elapsed[0])
+            plane = start._replace(point=_triple(np.array(start.point) + gone * np.array(start.normal)))
+            gate = Nodes() if plane.two_sided else self._contact.at(plane, points, grid, shape, half)
+            low, high = _window(plane, grid)
+            rows = with_room(rows, int(np.prod(high - low)))
+            several = len(self._planes) > 1
+            meet(gate, plane, grid, low, high, self._slot_of, rows, body, first + number, several)
+        return rows
+
+    def take_velocity(self, grid: Grid, rows: Rows, body: int) -> None:
+        """Let the nodes have the velocity that the rows leave."""
+        if rows.size[1]:
+            take_velocity(grid, rows, body, self._slot_of)
+
+    def hold(self, grid: Grid, points: Points, shape: Any, half: float) -> None:
+        """Hold the nodes where strain is taken; points do not feel it, so no account is kept."""
+        self._held.size[:] = 0
+        rows = self._held = self.find(self._held, 0, 0, grid, points, shape, half)
+        if rows.size[0]:
+            solve(rows, np.zeros_like(self.reactions))
+            self.take_velocity(grid, rows, 0)
 
 
-def touch(
-    contact: Contact, boundary: RigidWall | Symmetry, grid: Grid, body_middle: tuple[float, float, float]
-) -> Array:
-    """Hold the nodes on a boundary's plane or beyond it; return impulse and work on the body (see ``TALLY``)."""
-    axis, position, plane = plane_of(boundary, grid)
-    plane -= (grid.i0, grid.j0, grid.k0)[axis]
+def _triple(vector: Array) -> Triple:
+    x, y, z = vector.tolist()
+    return x, y, z
+
+
+def _axis(plane: Plane) -> int | None:
+    """Return the axis to which a plane is normal, if to any."""
+    along = np.abs(np.array(plane.normal))
+    axis = int(along.argmax())
+    return axis if 1.0 - along[axis] < ALIGNED else None
+
+
+def _node(plane: Plane, axis: int, grid: Grid) -> int:
+    """Return the plane of nodes closest to a plane, counted from the lattice's first."""
+    return round((plane.point[axis] - (grid.x0, grid.y0, grid.z0)[axis]) * grid.per_cell)
+
+
+def _placed(plane: Plane, grid: Grid, middle: Array) -> Plane:
+    """Return a plane of which the body is in front, on a plane of nodes if it is normal to an axis and stands still."""
+    point, normal = np.array(plane.point), np.array(plane.normal)
+    if plane.two_sided and (middle - point) @ normal < 0.0:
+        plane, normal = plane._replace(normal=_triple(-normal), speed=-plane.speed), -normal
+    axis = _axis(plane)
+    if axis is None or plane.speed != 0.0:
+        return plane
+    point[axis] = (grid.x0, grid.y0, grid.z0)[axis] + _node(plane, axis, grid) * grid.cell
+    return plane._replace(point=_triple(point))
+
+
+def _window(plane: Plane, grid: Grid) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the first nodes of the window, and those after the last, that a plane may act on along each axis."""
     low, high = np.zeros(3, np.int64), np.array([grid.nx, grid.ny, grid.nz], np.int64)
-    if position <= body_middle[axis]:
-        high[axis] = min(max(plane + 1, 0), high[axis])
-    else:
-        low[axis] = min(max(plane, 0), high[axis])
-    tally = np.zeros(TALLY)
-    hold(contact, boundary, grid, low, high, tally)
-    return tally
+    axis = _axis(plane)
+    if axis is not None:
+        place = (plane.point[axis] - (grid.x0, grid.y0, grid.z0)[axis]) * grid.per_cell
+        first = (grid.i0, grid.j0, grid.k0)[axis]
+        if plane.normal[axis] > 0.0:
+            high[axis] = min(max(int(np.floor(place + CLOSE)) - first + 1, 0), high[axis])
+        else:
+            low[axis] = min(max(int(np.ceil(place - CLOSE)) - first, 0), high[axis])
+    return low, high
 
 
 @serial_kernel
-def hold(
-    contact: Any, boundary: Any, grid: Grid, low: NDArray[np.int64], high: NDArray[np.int64], tally: Array
-) -> None:
-    """Apply a boundary to the velocity, and its change, of the nodes ``low`` to ``high`` of the window."""
-    velocity, change = grid.velocity, grid.change
+def meet(
+    contact: Any, plane: Plane, grid: Grid, low: NDArray[np.int64], high: NDArray[np.int64], slot_of: Indices,
+    rows: Rows, body: int, owner: int, several: bool,
+) -> None:  # fmt: skip
+    """Add a row for each node on a plane or behind it, of ``low`` to ``high`` of the window, that the plane acts on."""
+    normal, point = read_vector(plane.normal), read_vector(plane.point)
+    x0 = Vec(grid.x0 + grid.i0 * grid.cell, grid.y0 + grid.j0 * grid.cell, grid.z0 + grid.k0 * grid.cell) - point
     for k in range(low[2], high[2]):
         for j in range(low[1], high[1]):
             for i in range(low[0], high[0]):
-                n = (np.uint64(k) * grid.ny + np.uint64(j)) * grid.nx + np.uint64(i)
+                n = np.int64((np.uint64(k) * grid.ny + np.uint64(j)) * grid.nx + np.uint64(i))
                 m = grid.momentum[n, 3]
-                if m > 0.0 and closed(contact, n):
-                    ux, uy, uz = velocity[n, 0], velocity[n, 1], velocity[n, 2]
-                    vx, vy, vz = held(boundary, ux, uy, uz)
-                    dx, dy, dz = vx - ux, vy - uy, vz - uz
-                    velocity[n, 0], velocity[n, 1], velocity[n, 2] = vx, vy, vz
-                    change[n, 0] += dx
-                    change[n, 1] += dy
-                    change[n, 2] += dz
-                    tally[0] += m * dx
-                    tally[1] += m * dy
-                    tally[2] += m * dz
-                    x0, y0, z0 = grid.momentum[n, 0] / m, grid.momentum[n, 1] / m, grid.momentum[n, 2] / m
-                    tally[3] += 0.5 * m * (vz * vz - z0 * z0) if dz != 0.0 else 0.0
-                    tally[4] += 0.5 * m * (dx * (vx + x0) + dy * (vy + y0))
+                height = dot(x0 + grid.cell * Vec(float(i), float(j), float(k)), normal)
+                if not (m > 0.0 and height <= CLOSE * grid.cell and closed(contact, n)):
+                    continue
+                velocity = read_vector(grid.velocity[n])
+                if not (several or plane.two_sided or dot(velocity, normal) < plane.speed):
+                    continue
+                if slot_of[n] < 0:
+                    slot_of[n] = add_slot(rows, body, n)
+                    inverse = 1.0 / m
+                    before = inverse * read_vector(grid.momentum[n])
+                    load_slot(rows, slot_of[n], before, velocity, Vec(inverse, inverse, inverse))
+                add_row(rows, slot_of[n], owner, normal, point, plane.speed, plane.friction, plane.two_sided)
+
+
+@serial_kernel
+def take_velocity(grid: Grid, rows: Rows, body: int, slot_of: Indices) -> None:
+    """Let the nodes have the velocity that their slots have; what was added to it is part of its change."""
+    for s in range(rows.size[1]):
+        if rows.node[s, 0] == body:
+            n, motion = rows.node[s, 1], rows.motion[s]
+            velocity = read_vector(motion[VELOCITY:])
+            write_vector(grid.velocity[n], velocity)
+            write_vector(grid.change[n], read_vector(grid.change[n]) + (velocity - read_vector(motion[TRIAL:])))
+            slot_of[n] = -1
+
+
+@serial_kernel
+def let_go(rows: Rows, body: int) -> None:
+    """Take a body's nodes out of rows that are solved once more: its step is done."""
+    for s in range(rows.size[1]):
+        if rows.node[s, 0] == body:
+            write_vector(rows.motion[s][INVERSE:], Vec(0.0, 0.0, 0.0))

@@ -6,17 +6,16 @@ Slabs (see ``slabs``) and cells are counted from the grid's fixed origin: where 
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.kernels.jit import kernel, serial_kernel
+from viscopoint.kernels.jit import PARTS, kernel, serial_kernel
+from viscopoint.kernels.slabs import CHUNKS, chunk
 from viscopoint.kernels.tensors import fetch, no_lanes, put
 from viscopoint.methods.mpm.geometry import GEOMETRIES
 from viscopoint.methods.mpm.points import Points
 from viscopoint.model import memory
 
-CHUNKS = 64  # pieces of the point list that are sorted independently
 FIELDS = 3  # of a node beside the spare ones
 NEGLIGIBLE = 64e6  # bytes for which nobody need ask
 
@@ -134,36 +133,35 @@ def _check_memory(size: float, least: Array, most: Array) -> None:
         )
 
 
-@kernel
-def find_slabs(position: Array, grid: Grid, low: tuple[float, ...], high: tuple[float, ...]) -> None:
+@kernel(CHUNKS)
+def find_slabs(part: int, position: Array, grid: Grid, low: tuple[float, ...], high: tuple[float, ...]) -> None:
     """Find each point's slab, how many points each chunk has in each slab, and between which coordinates they are."""
     slab, share, least, most = grid.slab, grid.share, grid.least, grid.most
     total, layers = len(position), grid.layers
     outside = share.shape[1] - 1
-    for chunk in prange(CHUNKS):
-        x0 = y0 = z0 = np.inf
-        x1 = y1 = z1 = -np.inf
-        for s in range(outside + 1):
-            share[chunk, s] = 0
-        present, run = outside, 0  # neighbours in the list mostly share a slab: counted in a register
-        for p in range(chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS):
-            x, y, z = position[p, 0], position[p, 1], position[p, 2]
-            mine = outside
-            inside = low[0] <= x < high[0] and low[1] <= y < high[1] and low[2] <= z < high[2]
-            if inside:  # never true for a position that is not a number
-                x0, x1 = min(x0, x), max(x1, x)
-                y0, y1 = min(y0, y), max(y1, y)
-                z0, z1 = min(z0, z), max(z1, z)
-                layer = int((z - grid.z0) * grid.per_cell)
-                mine = layer if layers == 1 else layer // layers
-            slab[p] = mine
-            if mine != present:
-                share[chunk, present] += run
-                present, run = mine, 0
-            run += 1
-        share[chunk, present] += run
-        least[chunk, 0], least[chunk, 1], least[chunk, 2] = x0, y0, z0
-        most[chunk, 0], most[chunk, 1], most[chunk, 2] = x1, y1, z1
+    x0 = y0 = z0 = np.inf
+    x1 = y1 = z1 = -np.inf
+    for s in range(outside + 1):
+        share[part, s] = 0
+    present, run = outside, 0  # neighbours in the list mostly share a slab: counted in a register
+    for p in chunk(part, CHUNKS, total):
+        x, y, z = position[p, 0], position[p, 1], position[p, 2]
+        mine = outside
+        inside = low[0] <= x < high[0] and low[1] <= y < high[1] and low[2] <= z < high[2]
+        if inside:  # never true for a position that is not a number
+            x0, x1 = min(x0, x), max(x1, x)
+            y0, y1 = min(y0, y), max(y1, y)
+            z0, z1 = min(z0, z), max(z1, z)
+            layer = int((z - grid.z0) * grid.per_cell)
+            mine = layer if layers == 1 else layer // layers
+        slab[p] = mine
+        if mine != present:
+            share[part, present] += run
+            present, run = mine, 0
+        run += 1
+    share[part, present] += run
+    least[part, 0], least[part, 1], least[part, 2] = x0, y0, z0
+    most[part, 0], most[part, 1], most[part, 2] = x1, y1, z1
 
 
 @serial_kernel
@@ -173,37 +171,36 @@ def find_places(grid: Grid) -> None:
     place = 0
     for slab in range(share.shape[1]):
         start[slab] = place
-        for chunk in range(CHUNKS):
-            points = share[chunk, slab]
-            share[chunk, slab] = place
+        for part in range(CHUNKS):
+            points = share[part, slab]
+            share[part, slab] = place
             place += points
     start[-1] = place
 
 
-@kernel
-def sort_by_slab(grid: Grid) -> None:
+@kernel(CHUNKS)
+def sort_by_slab(part: int, grid: Grid) -> None:
     """List the points by slab."""
     slab, place, order = grid.slab, grid.share, grid.order
     total = len(slab)
-    for chunk in prange(CHUNKS):
-        first, last = chunk * total // CHUNKS, (chunk + 1) * total // CHUNKS
-        if first == last:
-            continue
-        present = slab[first]
-        next_place = place[chunk, present]
-        for p in range(first, last):
-            if slab[p] != present:
-                place[chunk, present] = next_place
-                present = slab[p]
-                next_place = place[chunk, present]
-            order[next_place] = p
-            next_place += 1
+    first, last = part * total // CHUNKS, (part + 1) * total // CHUNKS
+    if first == last:
+        return
+    present = slab[first]
+    next_place = place[part, present]
+    for p in range(first, last):
+        if slab[p] != present:
+            place[part, present] = next_place
+            present = slab[p]
+            next_place = place[part, present]
+        order[next_place] = p
+        next_place += 1
 
 
-@kernel
-def forget(field: Array) -> None:
+@kernel()
+def zero(part: int, field: Array) -> None:
     """Set a field of the nodes to zero."""
-    for n in prange(len(field)):
+    for n in chunk(part, PARTS, len(field)):
         put(field, n, no_lanes())
 
 
@@ -219,11 +216,11 @@ def average(grid: Grid) -> None:
     divide(grid)
 
 
-@kernel
-def solve(grid: Grid, dt: float) -> None:
+@kernel()
+def solve(part: int, grid: Grid, dt: float) -> None:
     """Take the nodes' force to their velocity, v_i = ((mv)_i + f_i Δt) / m_i, and to its change."""
     momentum, velocity, change = grid.momentum, grid.velocity, grid.change
-    for n in prange(len(momentum)):
+    for n in chunk(part, PARTS, len(momentum)):
         m = momentum[n, 3]
         per_mass = 1.0 / m if m > 0.0 else 0.0
         gain = (per_mass * dt) * fetch(change, n)
@@ -231,10 +228,10 @@ def solve(grid: Grid, dt: float) -> None:
         put(velocity, n, per_mass * fetch(momentum, n) + gain)
 
 
-@kernel
-def divide(grid: Grid) -> None:
+@kernel()
+def divide(part: int, grid: Grid) -> None:
     """Divide the nodes' momentum by their mass."""
     momentum, velocity = grid.momentum, grid.velocity
-    for n in prange(len(momentum)):
+    for n in chunk(part, PARTS, len(momentum)):
         m = momentum[n, 3]
         put(velocity, n, (1.0 / m if m > 0.0 else 0.0) * fetch(momentum, n))

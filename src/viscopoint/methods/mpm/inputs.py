@@ -8,7 +8,7 @@ from viscopoint.case.rules import rule
 from viscopoint.case.tables import Impact, MethodInput, Rod, Table, Time, one_of
 from viscopoint.case.units import Coordinate, Length
 from viscopoint.kernels.arrays import PRECISIONS
-from viscopoint.materials import Law
+from viscopoint.materials import Material
 from viscopoint.methods.mpm.contacts import CONTACTS
 from viscopoint.methods.mpm.fills import EXACT_FILL, FILLS, MERIDIANS
 from viscopoint.methods.mpm.geometry import GEOMETRIES
@@ -88,7 +88,7 @@ class MPMInput(MethodInput):
         fills = FILLS if self.geometry == "3d" else MERIDIANS
         return fills[self.fill](rod.radius, rod.length, self.spacing)
 
-    def build(self, rod: Rod, impact: Impact, law: Law) -> MaterialPointMethod:
+    def build(self, rod: Rod, impact: Impact, material: Material) -> MaterialPointMethod:
         """Return the rod as material points on their way to the wall; the table is ``completed``."""
         box = self.box
         assert box is not None
@@ -98,7 +98,7 @@ class MPMInput(MethodInput):
             shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
             scheme=SCHEMES[self.scheme],
             transfer=TRANSFERS[self.transfer].chosen(self.pic_fraction),
-            safety=self.safety,
+            time_step_factor=self.safety,
             viscosity=self.bulk_viscosity.build(),
             volume=VOLUMES[self.volume],
             contact=CONTACTS[self.contact],
@@ -106,7 +106,7 @@ class MPMInput(MethodInput):
             real=PRECISIONS[self.precision],
         )
         motion = (0.0, 0.0, -impact.speed)
-        return MaterialPointMethod(self.body(rod), law, (impact.boundary(),), choices, motion)
+        return MaterialPointMethod(self.body(rod), material, (impact.boundary(),), choices, motion)
 
 
 @rule("method.pic_fraction", "method.transfer")

@@ -1,79 +1,77 @@
 """The order of a time step: when stress is updated (Zhang, Chen & Liu 2016, ch. 3; Bardenhagen 2002).
 
-A scheme is a function of the method and the step, offered under the name that a case uses. Every mapping of a step
-uses the weights of its beginning; the points move last.
+A scheme is a list of what is done in each stage of a step (``integrators.central_differences``): before constraints act
+on the nodes' velocity, right after, and last. Every mapping of a step uses the weights of its beginning; the points
+move last.
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from viscopoint.methods.mpm.grid import accelerate, average, forget
-from viscopoint.methods.mpm.mapping import (
-    gather_velocity,
-    gather_velocity_and_remap,
-    move,
-    scatter_momentum,
-    scatter_momentum_and_force,
-)
+from viscopoint.discovery import Registry
+from viscopoint.methods.mpm import mapping
+from viscopoint.methods.mpm.grid import accelerate, average, zero
 
 if TYPE_CHECKING:
     from viscopoint.methods.mpm.method import MaterialPointMethod
 
-Scheme = Callable[["MaterialPointMethod", float], None]
-SCHEMES: dict[str, Scheme] = {}
+Act = Callable[["MaterialPointMethod", float], None]
 
 
-def offer(name: str) -> Callable[[Scheme], Scheme]:
-    """Let cases choose the decorated scheme by ``name``."""
+class Scheme(NamedTuple):
+    """What is done in each stage."""
 
-    def register(scheme: Scheme) -> Scheme:
-        SCHEMES[name] = scheme
-        return scheme
-
-    return register
+    kick: tuple[Act, ...]
+    drift: tuple[Act, ...]
+    strain: tuple[Act, ...]
 
 
-@offer("musl")
-def musl(mpm: "MaterialPointMethod", dt: float) -> None:
-    """Update stress last, from the re-mapped momentum of the accelerated points: the paper's."""
-    points, shape, transfer = mpm.points, mpm.shape, mpm.transfer
-    grid = mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
-    accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
-    mpm.contact(grid)  # v_n >= 0 on the wall
-    forget(grid.momentum)
-    gather_velocity_and_remap(points, grid, shape, transfer)  # v_p, then (mv)_i of the accelerated points
-    average(grid)  # v_i
-    mpm.hold(grid)
-    mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
-    move(points, grid, dt)  # x_p
+def scatter(mpm: "MaterialPointMethod", dt: float) -> None:
+    """Map m_i, (mv)_i and f_i, and find v_i = ((mv)_i + f_i dt) / m_i."""
+    zero(mpm.grid.momentum)
+    zero(mpm.grid.change)
+    pressed = mpm.volume.pressed(mpm.points, mpm.grid)
+    mapping.scatter_momentum_and_force(mpm.points, mpm.grid, mpm.shape, pressed, mpm.transfer)
+    accelerate(mpm.grid, dt)
 
 
-@offer("usl")
-def usl(mpm: "MaterialPointMethod", dt: float) -> None:
-    """Update stress last, from the accelerated nodes themselves (Sulsky, Chen & Schreyer 1994)."""
-    points, shape, transfer = mpm.points, mpm.shape, mpm.transfer
-    grid = mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
-    accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
-    mpm.contact(grid)  # v_n >= 0 on the wall
-    gather_velocity(points, grid, shape, transfer)  # v_p
-    mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
-    move(points, grid, dt)  # x_p
+def gather(mpm: "MaterialPointMethod", dt: float) -> None:
+    """Find v_p."""
+    mapping.gather_velocity(mpm.points, mpm.grid, mpm.shape, mpm.transfer)
 
 
-@offer("usf")
-def usf(mpm: "MaterialPointMethod", dt: float) -> None:
-    """Update stress first, from the mapped momentum; the new stress accelerates."""
-    points, shape, transfer = mpm.points, mpm.shape, mpm.transfer
-    grid = mpm.fresh_grid()
-    scatter_momentum(points, grid, shape, transfer)  # m_i, (mv)_i
-    average(grid)  # v_i
-    mpm.hold(grid)
-    mpm.update_stress(grid, dt)  # L_p, J_p, sigma_p
-    mpm.fresh_grid()
-    scatter_momentum_and_force(points, grid, shape, mpm.pressed(), transfer)  # m_i, (mv)_i, f_i
-    accelerate(grid, dt)  # v_i = ((mv)_i + f_i dt) / m_i
-    mpm.contact(grid)  # v_n >= 0 on the wall
-    gather_velocity(points, grid, shape, transfer)  # v_p
-    move(points, grid, dt)  # x_p
+def gather_and_remap(mpm: "MaterialPointMethod", dt: float) -> None:
+    """Find v_p, then v_i = (mv)_i / m_i of the accelerated points, held where constraints are."""
+    zero(mpm.grid.momentum)
+    mapping.gather_velocity_and_remap(mpm.points, mpm.grid, mpm.shape, mpm.transfer)
+    average(mpm.grid)
+    mpm.hold()
+
+
+def map_velocity(mpm: "MaterialPointMethod", dt: float) -> None:
+    """Map m_i and (mv)_i, and find v_i = (mv)_i / m_i, held where constraints are."""
+    zero(mpm.grid.momentum)
+    zero(mpm.grid.change)
+    mapping.scatter_momentum(mpm.points, mpm.grid, mpm.shape, mpm.transfer)
+    average(mpm.grid)
+    mpm.hold()
+
+
+def update_stress(mpm: "MaterialPointMethod", dt: float) -> None:
+    """Find L_p, J_p, sigma_p."""
+    mpm.update_stress(dt)
+
+
+def move(mpm: "MaterialPointMethod", dt: float) -> None:
+    """Find x_p."""
+    mapping.move(mpm.points, mpm.grid, dt)
+
+
+SCHEMES: Registry[Scheme] = Registry(
+    # stress last, from the re-mapped momentum of the accelerated points: the paper's
+    musl=Scheme(kick=(scatter,), drift=(gather_and_remap,), strain=(update_stress, move)),
+    # stress last, from the accelerated nodes themselves (Sulsky, Chen & Schreyer 1994)
+    usl=Scheme(kick=(scatter,), drift=(gather,), strain=(update_stress, move)),
+    # stress first, from the mapped momentum; the new stress accelerates
+    usf=Scheme(kick=(map_velocity, update_stress, scatter), drift=(gather,), strain=(move,)),
+)

@@ -13,12 +13,12 @@ what they are, and a uniform strain is one.
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from viscopoint.errors import InputError
 from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.kernels.jit import kernel
+from viscopoint.kernels.jit import PARTS, kernel
+from viscopoint.kernels.slabs import chunk
 
 ENOUGH = 0.4  # share of a cell
 FARTHEST = 3  # cells
@@ -26,7 +26,7 @@ AT_ONCE = 2000  # nodes, of which all cells around are looked at: 7 kB each
 CORNERS = [(a, b, c) for c in (0, 1) for b in (0, 1) for a in (0, 1)]
 
 
-class Rows(NamedTuple):
+class SparseRows(NamedTuple):
     """A sparse matrix, row by row."""
 
     start: Indices  # [row + 1]
@@ -37,8 +37,8 @@ class Rows(NamedTuple):
 class Extension(NamedTuple):
     """E and its transpose: rows of the grid, columns of the nodes in their own right."""
 
-    out: Rows
-    back: Rows
+    out: SparseRows
+    back: SparseRows
 
 
 def extended(shape: tuple[int, int, int], share: Array, touched: Array) -> tuple[Extension, Indices]:
@@ -91,17 +91,17 @@ def _continued(inner: NDArray[np.bool_], nodes: Indices) -> tuple[Indices, Indic
     return np.concatenate(row), np.concatenate(column), np.concatenate(value)
 
 
-def _sorted(rows: Indices, columns: Indices, values: Array, count: int) -> Rows:
+def _sorted(rows: Indices, columns: Indices, values: Array, count: int) -> SparseRows:
     order = np.lexsort((columns, rows))
     start = np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))])
-    return Rows(start.astype(np.int64), columns[order].astype(np.uint64), values[order].astype(float))
+    return SparseRows(start.astype(np.int64), columns[order].astype(np.uint64), values[order].astype(float))
 
 
-@kernel
-def carry(matrix: Rows, source: Array, target: Array) -> None:
+@kernel()
+def multiply(part: int, matrix: SparseRows, source: Array, target: Array) -> None:
     """Set ``target`` to the matrix times ``source``, of each of the first three columns."""
     start, column, value = matrix.start, matrix.column, matrix.value
-    for n in prange(len(target)):
+    for n in chunk(part, PARTS, len(target)):
         x, y, z = 0.0, 0.0, 0.0
         for entry in range(start[n], start[n + 1]):
             m, w = column[entry], value[entry]

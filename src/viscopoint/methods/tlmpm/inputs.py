@@ -9,7 +9,7 @@ from viscopoint.case.rules import rule
 from viscopoint.case.tables import Impact, MethodInput, Rod, Time, one_of
 from viscopoint.case.units import Length
 from viscopoint.kernels.arrays import PRECISIONS
-from viscopoint.materials import Law
+from viscopoint.materials import Material
 from viscopoint.methods.mpm.fills import EXACT_FILL, FILLS
 from viscopoint.methods.mpm.geometry import GEOMETRIES
 from viscopoint.methods.mpm.shapes import SHAPES
@@ -71,20 +71,20 @@ class TotalLagrangianInput(MethodInput):
         across = self.cell if self.geometry == "3d" else rod.radius / max(round(rod.radius / self.cell), 1)
         return across, across, height
 
-    def build(self, rod: Rod, impact: Impact, law: Law) -> TotalLagrangianMethod:
+    def build(self, rod: Rod, impact: Impact, material: Material) -> TotalLagrangianMethod:
         """Return the rod as material points on their way to the wall."""
         body = self.body(rod)
         choices = Discretisation(
             cell=self.edges(body, rod),
             shape=SHAPES[self.shape].fitted(self.spacing / self.cell),
             volume=VOLUMES[self.volume],
-            safety=self.safety,
+            time_step_factor=self.safety,
             viscosity=self.bulk_viscosity.build(),
             lattice=LATTICES[self.geometry],
             real=PRECISIONS[self.precision],
         )
         motion = (0.0, 0.0, -impact.speed)
-        return TotalLagrangianMethod(body, law, (impact.boundary(),), choices, motion)
+        return TotalLagrangianMethod(body, material, (impact.boundary(),), choices, motion)
 
 
 @rule("method.cell", "method.spacing", "method.name")

@@ -1,30 +1,29 @@
 """The total Lagrangian material point method as the driver sees it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from viscopoint.errors import InputError
-from viscopoint.interactions.planes import TALLY, RigidWall, Symmetry
-from viscopoint.kernels.arrays import Array, Real, Rows
-from viscopoint.materials import Law, step_factors
-from viscopoint.methods.fem.state import CHUNKS
+from viscopoint.interactions.planes import Interaction
+from viscopoint.kernels.arrays import AnyArray, Array, Indices, Real
+from viscopoint.materials import Material
+from viscopoint.methods.lagrangian import LagrangianBody
 from viscopoint.methods.mpm.shapes import Shape
-from viscopoint.methods.tlmpm.extension import Extension, carry, extended
+from viscopoint.methods.tlmpm.extension import Extension, extended, multiply
 from viscopoint.methods.tlmpm.lattice import Lattice, around_body, cover
-from viscopoint.methods.tlmpm.motion import arrive, set_off
-from viscopoint.methods.tlmpm.nodes import Nodes, nodes_at_rest, sum_nodes
 from viscopoint.methods.tlmpm.points import Points, at_rest
-from viscopoint.methods.tlmpm.stability import reach
-from viscopoint.methods.tlmpm.stress import strain_points, sum_points, watch
+from viscopoint.methods.tlmpm.stability import stable_length
+from viscopoint.methods.tlmpm.stress import strain_points, watch
 from viscopoint.methods.tlmpm.volumes import CellMean, Local
 from viscopoint.model.body import Body
-from viscopoint.model.method import Advice, Field, Totals, history_fields, von_mises_of
+from viscopoint.model.method import FailureHints, Field, history_fields, von_mises_of
+from viscopoint.model.nodes import Nodes, nodes_at_rest
+from viscopoint.model.points import MaterialState, VolumeState
 from viscopoint.model.viscosity import BulkViscosity, longest_step
 
-ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane of symmetry stand on it
-CONSTANT = ("reference", "volume", "mass", "fixed", "above")  # of what points and nodes have
-NO_WALL = RigidWall(-np.inf, 0.0)
+NEAR = 1e-6  # of a cell: nodes closer than this to a plane of nodes stand on it
 
 
 @dataclass(frozen=True)
@@ -34,20 +33,20 @@ class Discretisation:
     cell: tuple[float, float, float]  # edges, mm
     shape: Shape  # of ``mpm.shapes``
     volume: type[Local] | type[CellMean]  # of ``tlmpm.volumes``
-    safety: float  # share of the critical step to take
+    time_step_factor: float  # share of the critical step to take
     viscosity: BulkViscosity
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of a node; surfaces that touch must be planes of nodes, mm
     lattice: type[Lattice] = Lattice  # of ``tlmpm.lattice``
     real: Real = np.float64  # of the points' state
 
 
-class TotalLagrangianMethod:
+class TotalLagrangianMethod(LagrangianBody):
     """A body of material points on the grid of its undeformed shape, moving at ``velocity`` [mm/ms] at the start.
 
     The grid's nodes have the motion for good: weights never change, so that nothing is ever mapped back to them.
     """
 
-    advice = Advice(
+    failure_hints = FailureHints(
         lost="the integration became unstable; take a smaller method.safety",
         unstable="the integration became unstable; take a smaller method.safety",
         dissipating="the integration is becoming unstable; take a smaller method.safety",
@@ -61,32 +60,28 @@ class TotalLagrangianMethod:
     def __init__(
         self,
         body: Body,
-        law: Law,
-        boundaries: tuple[RigidWall | Symmetry, ...],
+        material: Material,
+        interactions: Sequence[Interaction],
         choices: Discretisation,
         velocity: tuple[float, float, float] | Array,
     ) -> None:
-        """Set up points, grid and nodes; a velocity per row is that of the nodes that ``nodes_at`` lists."""
-        self.body, self.law = body, law
-        self.shape, self.volume = choices.shape, choices.volume()
-        self.safety, self.viscosity = choices.safety, choices.viscosity
-        self.blank = (0.0,) * sum(size for _, size in law.history_fields)
-        self.sound = float(np.sqrt(law.instantaneous_modulus / law.density))
-        self.points: Points = at_rest(body.position, body.volume, len(self.blank), choices.real)
+        """Set up points, grid and nodes; a velocity per row is that of the nodes that ``reference`` lists."""
+        super().__init__(body, material, choices.time_step_factor)
+        self.shape, self.volume, self.viscosity = choices.shape, choices.volume(), choices.viscosity
+        self.points: Points = at_rest(body.position, body.volume, self.block, choices.real)
         self.lattice: Lattice = around_body(
             body.position, choices.cell, choices.origin, choices.lattice, choices.shape.overhang
         )
         self.extension, self.nodes = self._nodes(choices)
         self.reference: Array = self.nodes.position.copy()
-        self.wall = NO_WALL
-        for boundary in boundaries:
-            self._stand_between(boundary)
-        free = self.lattice.geometry.free(self.reference, choices.cell[0])
-        self.nodes.fixed[:] |= np.uint8(1) * (free[:, 0] == 0.0)  # on the axis
-        self.reach = reach(self.points, self.lattice, self.shape, self.extension, self.nodes.mass, free, law.density)
+        self._redistribute(interactions, choices.cell)
+        self.act_on(interactions, np.arange(len(self.reference)))
+        free = (self.nodes.inverse_mass > 0.0).astype(float)
+        self.stable_length = stable_length(
+            self.points, self.lattice, self.shape, self.extension, self.nodes.mass, free, material.density
+        )
         self.nodes.velocity[:] = velocity
         self.critical = np.full(len(self.lattice.start) - 1, self._first_step(choices))
-        self.tally = np.zeros(TALLY)  # of wall and planes of symmetry, since the start
         self._extend()
 
     def _nodes(self, choices: Discretisation) -> tuple[Extension, Nodes]:
@@ -103,80 +98,51 @@ class TotalLagrangianMethod:
         extension, rows = extended(shape, filled / room, touched)
         position = places[rows]
         mass = np.zeros((len(rows), 3))
-        carry(extension.back, self.law.density * np.column_stack([weight] * 3), mass)
+        multiply(extension.back, self.material.density * np.column_stack([weight] * 3), mass)
         if not (mass > 0.0).all():
             raise InputError("method.cell: too large for the body's shape; take a smaller one")
-        foot, height = position[:, 2].min(), choices.cell[2]
-        return extension, nodes_at_rest(position, mass[:, 0], foot, height)
+        return extension, nodes_at_rest(position, mass[:, 0], lattice.geometry.free(position, choices.cell[0]))
 
-    def _stand_between(self, boundary: RigidWall | Symmetry) -> None:
-        if isinstance(boundary, RigidWall):
-            self.wall = boundary
-            return
-        place = self.reference[:, boundary.axis]
-        on = np.abs(place - boundary.position) <= ON_PLANE * np.ptp(self.reference, axis=0).max()
-        if not on.any():
-            raise InputError(
-                f"no node stands on the plane of symmetry {'xyz'[boundary.axis]} = {boundary.position:g} mm"
-            )
-        self.nodes.fixed[on] |= np.uint8(1 << boundary.axis)
+    def _redistribute(self, interactions: Sequence[Interaction], cell: tuple[float, float, float]) -> None:
+        """Give partners to the plane of nodes that meets the first wall (``interactions.on_nodes``)."""
+        for interaction in interactions:
+            if not interaction.holds:
+                self.nodes.normal[:] = interaction.plane.normal
+                self.nodes.partner[:] = partners(self.reference, np.array(cell), self.nodes.normal)
+                return
 
     def _first_step(self, choices: Discretisation) -> float:
         """Return the critical step [ms], with what bulk viscosity and flight may do in it."""
         fastest = float(np.linalg.norm(self.nodes.velocity, axis=1).max())
         linear, quadratic = self.viscosity
         damping = np.sqrt(3.0) * (linear * self.sound + quadratic * fastest)
-        rest = longest_step(self.viscosity, self.reach, min(choices.cell), self.sound, damping)
+        rest = longest_step(self.viscosity, self.stable_length, min(choices.cell), self.sound, damping)
         return rest / (1.0 + fastest / self.sound)
 
-    def stable_step(self) -> float:
-        return self.safety * float(self.critical.min())
-
-    def advance(self, dt: float) -> None:
-        """One step of velocity Verlet (central differences)."""
-        nodes, tally = self.nodes, np.zeros((CHUNKS, TALLY))
-        set_off(nodes, self.wall, dt, tally)  # v += f/m dt/2, wall, x += v dt
+    def strain(self, dt: float) -> None:
         self._extend()
-        self._answer(dt)  # F, J, sigma, f
-        arrive(nodes, self.wall, dt, tally)  # v += f/m dt/2, wall
-        self.tally += tally.sum(axis=0)
+        self.lattice.force[:] = 0.0
+        strain_points(
+            self.points, self.lattice, self.shape, self.block.of_step(dt), self.viscosity, self.volume,
+            self.stable_length, self.critical, dt,
+        )  # fmt: skip
+        multiply(self.extension.back, self.lattice.force, self.nodes.force)
 
     def _extend(self) -> None:
         """Let the nodes of hardly any mass follow."""
-        carry(self.extension.out, self.nodes.velocity, self.lattice.velocity)
-
-    def _answer(self, dt: float) -> None:
-        points, lattice, shape, law = self.points, self.lattice, self.shape, self.law
-        factors = step_factors(law, dt)
-        lattice.force[:] = 0.0
-        strain_points(
-            points, lattice, shape, law, factors, self.blank, self.sound, self.viscosity, self.volume, self.reach,
-            self.critical, dt,
-        )  # fmt: skip
-        carry(self.extension.back, lattice.force, self.nodes.force)
+        multiply(self.extension.out, self.nodes.velocity, self.lattice.velocity)
 
     # --- what the driver and the outputs ask ---
 
-    def totals(self) -> Totals:
-        moving, straining = np.zeros((CHUNKS, 5)), np.zeros((CHUNKS, 4))
-        sum_nodes(self.nodes, moving)
-        sum_points(self.points, self.law, self.blank, straining)
-        kinetic, mass, *momentum = moving.sum(axis=0)
-        stored, dissipated, viscous, hypoelastic = (float(energy) for energy in straining.sum(axis=0))
-        return Totals(
-            kinetic=float(kinetic),
-            stored=stored,
-            dissipated=dissipated,
-            hypoelastic=hypoelastic,
-            viscous=viscous,
-            hourglass=0.0,
-            eroded=0.0,
-            contact=0.0 - float(self.tally[3]),
-            friction=0.0 - float(self.tally[4]),
-            momentum=np.array(momentum) * self.lattice.geometry.resultant,
-            impulse=self.tally[:3] * self.lattice.geometry.resultant,
-            mass=float(mass),
-        )
+    @property
+    def resultant(self) -> Sequence[float]:
+        return self.lattice.geometry.resultant
+
+    def states(self) -> tuple[MaterialState, VolumeState, Array]:
+        return self.points.material, self.points.shared, self.points.volume
+
+    def own_state(self) -> dict[str, AnyArray]:
+        return {"position": self.points.position, "deformation": self.points.deformation}
 
     def positions(self) -> Array:
         return self.points.position
@@ -187,7 +153,7 @@ class TotalLagrangianMethod:
     def lost_mass(self) -> float:
         return 0.0
 
-    def weakest(self) -> str:
+    def limiting_element(self) -> str:
         material = np.flatnonzero(self.points.volume > 0.0)
         deformation = self.points.deformation[material].astype(float).reshape(-1, 3, 3)
         if not np.isfinite(deformation).all():
@@ -206,27 +172,38 @@ class TotalLagrangianMethod:
         return found
 
     def snapshot(self) -> dict[str, Field]:
-        points = self.points
+        points, material, shared = self.points, self.points.material, self.points.shared
         fields = {
             "position": Field(points.position, "mm"),
             "displacement": Field(points.position - self.body.position, "mm"),
             "velocity": Field(self.velocities(), "m/s"),
-            "stress": Field(points.stress, "MPa"),
-            "von_mises": Field(von_mises_of(points.stress), "MPa"),
-            "pressure": Field(-points.stress[:, :3].mean(axis=1), "MPa"),
-            "jacobian": Field(points.jacobian, "1"),
-            "viscous_pressure": Field(points.viscous_pressure, "MPa"),
-            "dissipated_energy": Field(points.dissipated, "mJ/mm^3"),
+            "stress": Field(material.stress, "MPa"),
+            "von_mises": Field(von_mises_of(material.stress), "MPa"),
+            "pressure": Field(-material.stress[:, :3].mean(axis=1), "MPa"),
+            "jacobian": Field(shared.jacobian, "1"),
+            "viscous_pressure": Field(shared.viscous_pressure, "MPa"),
+            "dissipated_energy": Field(material.dissipated, "mJ/mm^3"),
             "lost": Field(np.zeros(len(points.volume), np.uint8), "1"),
         }
-        fields |= history_fields(self.law, points.history)
+        fields |= history_fields(self.block.history_fields, material.history)
         return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
 
-    def state(self) -> dict[str, Rows]:
-        points = {f"point_{name}": rows for name, rows in self.points._asdict().items() if name not in CONSTANT}
-        nodes = {f"node_{name}": rows for name, rows in self.nodes._asdict().items() if name not in CONSTANT}
-        return {**points, **nodes, "critical": self.critical, "tally": self.tally}
 
-    def restore(self, state: dict[str, Rows]) -> None:
-        for name, rows in self.state().items():
-            rows[...] = state[name]
+def partners(position: Array, cell: Array, normal: Array) -> Indices:
+    """Return for each of the nodes that meet a wall first the one behind it, and -1 for others.
+
+    They are the outermost plane of nodes towards the wall, along the grid's axis closest to its normal.
+    """
+    axis = int(np.abs(normal).argmax())
+    towards = np.sign(normal[axis])
+    rounded = np.round(position / cell[axis], 6)
+    height = towards * position[:, axis]
+    first = np.flatnonzero(np.abs(height - height.min()) < NEAR * cell[axis])
+    step = np.zeros(3)
+    step[axis] = towards * cell[axis]
+    behind = np.round((position[first] + step) / cell[axis], 6)
+    level = np.flatnonzero(np.isin(rounded[:, axis], behind[:, axis]))
+    index = {tuple(place): n for n, place in zip(level.tolist(), rounded[level].tolist(), strict=True)}
+    found = np.full(len(position), -1)
+    found[first] = [index.get(tuple(place), -1) for place in behind.tolist()]
+    return found

@@ -7,6 +7,8 @@ import numpy as np
 from viscopoint.kernels.arrays import Array, Real
 from viscopoint.kernels.jit import inline
 from viscopoint.kernels.tensors import Matrix
+from viscopoint.materials.block import MaterialBlock
+from viscopoint.model.points import MaterialState, VolumeState, material_at_rest, volume_at_rest
 
 
 class Points(NamedTuple):
@@ -19,16 +21,11 @@ class Points(NamedTuple):
     position: Array  # [p, 3], x, mm
     volume: Array  # [p], reference volume, mm^3
     deformation: Array  # [p, 9], F, row by row
-    jacobian: Array  # [p], J that the law sees: det F, or its mean over a cell
-    stress: Array  # [p, 6], Cauchy, xx yy zz xy yz zx, MPa
-    viscous_pressure: Array  # [p], of the bulk viscosity, MPa
-    history: Array  # [p, h], the law's
-    dissipated: Array  # [p], by the law per reference volume, mJ/mm^3
-    hypoelastic: Array  # [p], taken by the law as volume changes under shear, per reference volume, mJ/mm^3
-    viscous_loss: Array  # [p], by the bulk viscosity per reference volume, mJ/mm^3
+    material: MaterialState  # [p]
+    shared: VolumeState  # [p]; J is what the material sees: det F, or its mean over a cell
 
 
-def at_rest(position: Array, volume: Array, history_size: int, real: Real = np.float64) -> Points:
+def at_rest(position: Array, volume: Array, material: MaterialBlock, real: Real = np.float64) -> Points:
     """Return stress-free points."""
     count = len(position)
     return Points(
@@ -36,13 +33,8 @@ def at_rest(position: Array, volume: Array, history_size: int, real: Real = np.f
         position=position.copy(),
         volume=volume.astype(real),
         deformation=np.tile(np.eye(3, dtype=real).ravel(), (count, 1)),
-        jacobian=np.ones(count, real),
-        stress=np.zeros((count, 6), real),
-        viscous_pressure=np.zeros(count, real),
-        history=np.zeros((count, history_size), real),
-        dissipated=np.zeros(count, real),
-        hypoelastic=np.zeros(count, real),
-        viscous_loss=np.zeros(count, real),
+        material=material_at_rest(material, count, real),
+        shared=volume_at_rest(count, real, real),
     )
 
 

@@ -2,23 +2,22 @@
 
 ω² is the largest eigenvalue of stiffness over lumped mass. Of an isotropic solid of modulus M = K + 4G/3 the energy of
 a strain is linear in G at constant M, so that no K and G give more than the two extremes do: M (tr ε)² at G = 0 and
-3/2 M ε':ε' at K = 0. Both eigenvalues are found by power iteration; ``reach`` = 2 c/ω is what a wave may cross.
+3/2 M ε':ε' at K = 0. Both eigenvalues are found by power iteration; ``stable_length`` = 2 c/ω is what a wave may cross.
 
 Under a uniform F, let v = F w: then tr ε of v in space is tr ε of w in the undeformed body, and |v|² >= |w|² over the
-largest eigenvalue of C⁻¹. So the present reach is the undeformed one times the smallest stretch; where F varies the
+largest eigenvalue of C⁻¹. So the present one is the undeformed one times the smallest stretch; where F varies the
 smallest of all is taken.
 """
 
 from typing import Any
 
 import numpy as np
-from numba import prange
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.kernels.jit import kernel
-from viscopoint.kernels.slabs import COLOURS, PARTS, part_of
+from viscopoint.kernels.jit import PARTS, kernel
+from viscopoint.kernels.slabs import COLOURS, coloured_slabs_of
 from viscopoint.kernels.tensors import Matrix
-from viscopoint.methods.tlmpm.extension import Extension, carry
+from viscopoint.methods.tlmpm.extension import Extension, multiply
 from viscopoint.methods.tlmpm.interpolation import push, reference_gradient
 from viscopoint.methods.tlmpm.lattice import Lattice, around
 from viscopoint.methods.tlmpm.points import Points
@@ -27,7 +26,7 @@ ROUNDS = 60
 SHORT = 0.03  # by which the estimate may fall short after so many rounds
 
 
-def reach(
+def stable_length(
     points: Points, lattice: Lattice, shape: Any, extension: Extension, mass: Array, free: Array, density: float
 ) -> float:
     """Return 2 c/ω of the undeformed body [mm].
@@ -48,11 +47,11 @@ def reach(
         square = 0.0
         for _ in range(ROUNDS):
             motion /= np.sqrt((motion**2 / per_mass).sum())
-            carry(extension.out, motion, lattice.velocity)
+            multiply(extension.out, motion, lattice.velocity)
             lattice.force[:] = 0.0
             stiffen(points, lattice, shape, swelling, shearing)
             answer = np.empty_like(motion)
-            carry(extension.back, lattice.force, answer)
+            multiply(extension.back, lattice.force, answer)
             square = float((motion * answer).sum())
             motion = free * answer * per_mass
         highest = max(highest, square)
@@ -61,20 +60,17 @@ def reach(
     return 2.0 / np.sqrt((1.0 + SHORT) * highest)
 
 
-@kernel
-def stiffen(points: Points, lattice: Lattice, shape: Any, swelling: float, shearing: float) -> None:
+@kernel(PARTS, COLOURS)
+def stiffen(part: int, points: Points, lattice: Lattice, shape: Any, swelling: float, shearing: float) -> None:
     """Add to the nodes Σ V_p s ∇0 N of s = (``swelling`` tr ε) I + ``shearing`` ε."""
-    force = lattice.force
-    start, slabs = lattice.start, len(lattice.start) - 1
-    for colour in range(COLOURS):
-        for part in prange(PARTS):
-            for slab in part_of(start, slabs, part, colour, COLOURS):
-                for q in range(lattice.cells[start[slab]], lattice.cells[start[slab + 1]]):
-                    p: int = lattice.order[q]
-                    at = around(points, p, lattice, shape)
-                    a = reference_gradient(lattice.velocity, lattice, at, 1.0)
-                    size = points.volume[p]
-                    mean, shear = size * swelling * (a.xx + a.yy + a.zz), size * shearing
-                    xx, yy, zz = mean + shear * a.xx, mean + shear * a.yy, mean + shear * a.zz
-                    xy, yz, zx = 0.5 * shear * (a.xy + a.yx), 0.5 * shear * (a.yz + a.zy), 0.5 * shear * (a.zx + a.xz)
-                    push(force, lattice, at, Matrix(xx, xy, zx, xy, yy, yz, zx, yz, zz))
+    start = lattice.start
+    for slab in coloured_slabs_of(start, len(start) - 1, part):
+        for q in range(lattice.cells[start[slab]], lattice.cells[start[slab + 1]]):
+            p: int = lattice.order[q]
+            at = around(points, p, lattice, shape)
+            a = reference_gradient(lattice.velocity, lattice, at, 1.0)
+            size = points.volume[p]
+            mean, shear = size * swelling * (a.xx + a.yy + a.zz), size * shearing
+            xx, yy, zz = mean + shear * a.xx, mean + shear * a.yy, mean + shear * a.zz
+            xy, yz, zx = 0.5 * shear * (a.xy + a.yx), 0.5 * shear * (a.yz + a.zy), 0.5 * shear * (a.zx + a.xz)
+            push(lattice.force, lattice, at, Matrix(xx, xy, zx, xy, yy, yz, zx, yz, zz))

@@ -6,27 +6,35 @@ undeformed one, and with laws whose pressure depends on J alone one pressure: no
 
 from typing import Any, NamedTuple
 
+from viscopoint.discovery import Registry
 from viscopoint.kernels.jit import generic, implements
-from viscopoint.kernels.workspace import keep, kept
-from viscopoint.methods.tlmpm.block import AFTER, MID_JACOBIAN, SWELLING, VOLUME
+from viscopoint.kernels.workspace import columns, load, store
+from viscopoint.materials.block import AFTER
 from viscopoint.methods.tlmpm.lattice import Lattice
+from viscopoint.model.points import OWN
+
+VOLUMES: Registry[Any] = Registry()
+# V_p, det F at mid-step and at the end of the step, tr Δε; other columns of the method begin at ``SHARED``
+VOLUME, MID_JACOBIAN, DETERMINANT, SWEPT, SHARED = columns(*(1,) * 4, first=OWN)
 
 
+@VOLUMES.register("local")
 class Local(NamedTuple):
     """Nothing is averaged."""
 
 
+@VOLUMES.register("cell-mean")
 class CellMean(NamedTuple):
     """Points share their cell's."""
 
 
 @generic
 def share(volume: Any, work: Any, lattice: Lattice, first: int, last: int) -> None:
-    """Let the points of a block have the swelling tr Δε, and J at the end of the step, that they shall have.
+    """Let the points of a block have the tr Δε, and J at the end of the step, that they shall have.
 
     Args:
         volume: the choice.
-        work: the block; its points have swelling, mid-step and end J of their own.
+        work: the block; its points have tr Δε, mid-step and end J of their own.
         lattice: where the cells are.
         first: cell of the block's first point, in ``lattice.cells``.
         last: the cell after that of its last point.
@@ -46,16 +54,13 @@ def over_cells(volume: CellMean, work: Any, lattice: Lattice, first: int, last: 
         members = range(lattice.cells[cell] - start, lattice.cells[cell + 1] - start)
         whole, middle, swept, now = 0.0, 0.0, 0.0, 0.0
         for i in members:
-            part = kept(work, VOLUME, i, 0.0)
-            half = part * kept(work, MID_JACOBIAN, i, 0.0)
+            part = load(work, VOLUME, i)
+            half = part * load(work, MID_JACOBIAN, i)
             whole += part
             middle += half
-            swept += half * kept(work, SWELLING, i, 0.0)
-            now += part * kept(work, AFTER, i, 0.0)
+            swept += half * load(work, SWEPT, i)
+            now += part * load(work, AFTER, i)
         if whole > 0.0:  # else only watched
             for i in members:
-                keep(work, SWELLING, i, swept / middle)
-                keep(work, AFTER, i, now / whole)
-
-
-VOLUMES: dict[str, type[Local] | type[CellMean]] = {"local": Local, "cell-mean": CellMean}
+                store(work, SWEPT, i, swept / middle)
+                store(work, AFTER, i, now / whole)

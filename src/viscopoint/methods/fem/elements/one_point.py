@@ -1,76 +1,78 @@
-"""The one-point hexahedron: mean strain, and hourglass control (Flanagan & Belytschko 1981)."""
+"""The one-point element: mean strain, and hourglass control (Flanagan & Belytschko 1981)."""
 
 import math
 from typing import Any, NamedTuple
 
-from numba import prange
+import numpy as np
 
-from viscopoint.kernels.jit import inline, kernel
-from viscopoint.kernels.rows import load, store
-from viscopoint.kernels.slabs import COLOURS, PARTS, part_of
+from viscopoint.kernels.jit import PARTS, inline, kernel
+from viscopoint.kernels.rows import read_row, write_row
+from viscopoint.kernels.slabs import COLOURS, coloured_slabs_of
 from viscopoint.kernels.tensors import (
     Columns,
     Sym,
     Vec,
     applied,
-    components,
     fused,
     matrix,
-    read,
     spherical,
     sym_columns,
     trace,
 )
-from viscopoint.kernels.workspace import BLOCK, HISTORY, add, keep, kept, widest_vectors, workspace
-from viscopoint.materials import History, hypoelastic_work, update_stress
-from viscopoint.methods.fem.block import (
-    BEFORE,
-    CORNERS,
-    FLOW,
-    HOURGLASS,
-    HYPOELASTIC,
-    JACOBIAN,
-    LOSS,
-    MEMORY,
-    MID_VOLUME,
-    PLACE,
-    REFERENCE,
-    REST_STEP,
-    SIX,
-    STEP_LENGTH,
-    STRESS,
-    TWELVE,
-    VISCOUS,
-    VISCOUS_LOSS,
-    VOLUME,
-    recall_motion,
-    recall_point,
-    remember_point,
-    remember_whole,
-    spread,
+from viscopoint.kernels.workspace import (
+    BLOCK,
+    add,
+    load,
+    load_matrix,
+    load_sym,
+    load_tuple,
+    store,
+    store_sym,
+    widest_vectors,
+    workspace,
 )
-from viscopoint.methods.fem.elements import Limits, offer
-from viscopoint.methods.fem.hexahedron import (
-    Gradient,
+from viscopoint.materials.block import AFTER, JACOBIAN, ROTATION, STRAIN, STRESS, MaterialCode, call_block
+from viscopoint.methods.fem.cells import (
     Hourglass,
-    Modes,
     corner_forces,
+    corner_numbers,
+    flattened,
+    hourglass_of,
+    mean_forces,
     mean_gradient,
+    mode_numbers,
     modes_of,
     moved,
     smallest_length,
     stable_length,
+    unflattened,
     volume,
     volume_gradient,
 )
-from viscopoint.methods.fem.hourglass import recalled, remembered, resist
+from viscopoint.methods.fem.elements import ELEMENTS, Limits, finish
+from viscopoint.methods.fem.hourglass import hourglass_force, hourglass_numbers, hourglass_of_numbers
 from viscopoint.methods.fem.mesh import Slabs
-from viscopoint.methods.fem.state import Elements, Nodes
-from viscopoint.model.kinematics import strain_and_turn
-from viscopoint.model.viscosity import BulkViscosity, longest_step, viscous_pressure
+from viscopoint.methods.fem.state import (
+    FLOW,
+    HOURGLASS_WORK,
+    PLACE,
+    REFERENCE,
+    REST_STEP,
+    STEP_LENGTH,
+    SWEPT,
+    TWELVE,
+    VOLUME,
+    WEIGHTS,
+    WHOLE,
+    Elements,
+    load_motion,
+)
+from viscopoint.model.nodes import Nodes
+from viscopoint.model.points import VISCOUS, apply_viscosity, load_material, store_material, store_strain, store_volume
+from viscopoint.model.viscosity import BulkViscosity, longest_step
 
 
-@offer("one-point")
+@ELEMENTS.register("one-point")
 class OnePoint(NamedTuple):
     """One integration point; the hourglass modes are left to ``hourglass``."""
 
@@ -81,122 +83,104 @@ class OnePoint(NamedTuple):
         return cls(hourglass)
 
     @property
-    def points(self) -> int:
-        return 1
+    def full(self) -> bool:
+        return False
 
     @property
-    def memory(self) -> int:
-        return 4
+    def hourglass_modes(self) -> bool:
+        return True
 
-    def answer(
-        self, nodes: Nodes, elements: Elements, slabs: Slabs, limits: Limits, law: Any, factors: Any, blank: History,
-        sound: float, viscosity: BulkViscosity, dt: float,
+    def internal_force(
+        self, nodes: Nodes, elements: Elements, cell: Any, slabs: Slabs, limits: Limits, material: MaterialCode,
+        viscosity: BulkViscosity, dt: float,
     ) -> None:  # fmt: skip
         """Take the nodes' motion over the step to stresses, and add the elements' forces to the nodes."""
-        strain_one_point(nodes, elements, slabs, limits, law, factors, blank, self.hourglass, sound, viscosity, dt)
+        strain_one_point(nodes, elements, cell, slabs, limits, material, self.hourglass, viscosity, dt)
 
 
-@kernel
+@kernel(PARTS, COLOURS)
 def strain_one_point(
-    nodes: Nodes, elements: Elements, slabs: Slabs, limits: Limits, law: Any, factors: Any, blank: History,
-    hourglass: Any, sound: float, viscosity: BulkViscosity, dt: float,
+    part: int, nodes: Nodes, elements: Elements, cell: Any, slabs: Slabs, limits: Limits, material: MaterialCode,
+    hourglass: Any, viscosity: BulkViscosity, dt: float,
 ) -> None:  # fmt: skip
-    """Update J, σ, bulk viscosity and hourglass forces of each element; spread its forces to its corners."""
-    alive, force, order = elements.alive, nodes.force, slabs.order
-    critical, weakest = limits.critical, limits.weakest
-    start, layers = slabs.start, len(slabs.start) - 1
-    for colour in range(COLOURS):
-        for part in prange(PARTS):
-            widest_vectors()  # pyright: ignore[reportCallIssue]  (an intrinsic)
-            for slab in part_of(start, layers, part, colour, COLOURS):
-                least, where, work = math.inf, -1, workspace(blank)
-                for first in range(start[slab], start[slab + 1], BLOCK):
-                    count = min(BLOCK, start[slab + 1] - first)
-                    for i in range(count):
-                        recall(nodes, elements, order[first + i], work, i, blank)
-                    for i in range(count):
-                        answer(work, i, law, factors, blank, hourglass, sound, viscosity, dt)
-                    for i in range(count):
-                        e: int = order[first + i]
-                        if not alive[e]:
-                            continue
-                        if not (kept(work, VOLUME, i, 0.0) > 0.0 and kept(work, MID_VOLUME, i, 0.0) > 0.0):
-                            alive[e] = limits.delete_below < 0.0  # turned inside out
-                            if alive[e] and least > 0.0:
-                                least, where = 0.0, e
-                            continue
-                        remember(elements, e, work, i, blank)
-                        if kept(work, REST_STEP, i, 0.0) < limits.delete_below:
-                            alive[e] = 0
-                            continue
-                        step = kept(work, STEP_LENGTH, i, 0.0)
-                        if step < least:
-                            least, where = step, e
-                        spread(force, elements.corner[e], work, i)
-                critical[slab], weakest[slab] = least, where
+    """Update J, σ, bulk viscosity and hourglass forces of each element; add its forces to its corners."""
+    widest_vectors()  # pyright: ignore[reportCallIssue]  (an intrinsic)
+    work = workspace(material.n_history)  # pyright: ignore[reportCallIssue]
+    start, order, alive = slabs.start, slabs.order, elements.shared.alive
+    for slab in coloured_slabs_of(start, len(start) - 1, part):
+        least, where = math.inf, -1
+        for first in range(start[slab], start[slab + 1], BLOCK):
+            count = min(BLOCK, start[slab + 1] - first)
+            for i in range(count):
+                e = np.int64(order[first + i])
+                load_motion(nodes, elements, e, cell, work, i)
+                load_material(elements.material, e, work, i, material.n_history)
+                store(work, REFERENCE, i, elements.volume[e])
+                store(work, WEIGHTS, i, read_row(elements.hourglass_force[e], TWELVE))
+                store(work, HOURGLASS_WORK, i, elements.hourglass_work[e])
+            for i in range(count):
+                strain(work, i, cell, material, dt)
+            call_block(material.update, work, count, material.numbers)
+            for i in range(count):
+                respond(work, i, cell, material, hourglass, viscosity, dt)
+            for i in range(count):
+                e = np.int64(order[first + i])
+                if not alive[e]:
+                    continue
+                if load(work, WHOLE, i) > 0.0:
+                    store_volume(elements.shared, e, work, i)
+                    store_material(elements.material, e, work, i, material.n_history)
+                    write_row(elements.hourglass_force[e], load_tuple(work, WEIGHTS, i, TWELVE))
+                    elements.hourglass_work[e] = load(work, HOURGLASS_WORK, i)
+                least, where = finish(nodes, elements, e, cell, limits, work, i, least, where)
+        limits.critical[slab], limits.limiting[slab] = least, where
 
 
 @inline
-def recall(nodes: Nodes, elements: Elements, e: int, work: Any, i: int, blank: History) -> None:
-    """Take what element e has, and its corners do, to the workspace."""
-    recall_motion(nodes, elements, e, work, i)
-    recall_point(elements, e, 0, work, i, blank)
-    keep(work, REFERENCE, i, elements.volume[e, 0])
-    keep(work, MEMORY, i, load(elements.memory[e], TWELVE))
-    keep(work, HOURGLASS, i, elements.hourglass_work[e])
-
-
-@inline
-def remember(elements: Elements, e: int, work: Any, i: int, blank: History) -> None:
-    """Give element e back what it has in the workspace."""
-    remember_whole(elements, e, work, i)
-    remember_point(elements, e, 0, work, i, blank)
-    store(elements.memory[e], kept(work, MEMORY, i, TWELVE))
-    elements.hourglass_work[e] = kept(work, HOURGLASS, i, 0.0)
-
-
-@inline
-def answer(
-    work: Any, i: int, law: Any, factors: Any, blank: History, hourglass: Any, sound: float, viscosity: BulkViscosity,
-    dt: float,
-) -> None:  # fmt: skip
-    """Take the motion of the block's element i over the step to its stress and its corners' forces."""
-    place, flow = modes_of(kept(work, PLACE, i, CORNERS)), modes_of(kept(work, FLOW, i, CORNERS))
+def strain(work: Any, i: int, cell: Any, material: MaterialCode, dt: float) -> None:
+    """Take the motion of the block's element i over the step to strain, rotation and volume."""
+    place = modes_of(cell, load_tuple(work, PLACE, i, corner_numbers(cell)))
+    flow = modes_of(cell, load_tuple(work, FLOW, i, corner_numbers(cell)))
     middle = moved(place, -0.5 * dt, flow)
-    half, reach = volume_gradient(middle), volume_gradient(place)  # ∂V/∂x
-    mid_volume, now, reference = volume(middle, half), volume(place, reach), kept(work, REFERENCE, i, 0.0)
-    gradient = mean_gradient(flow, half, dt / mid_volume)
-    strain, turn = strain_and_turn(matrix(gradient))
-    before, after = kept(work, BEFORE, i, 0.0), now / reference
-    earlier, memory = read(kept(work, STRESS, i, SIX)), kept(work, HISTORY, i, blank)
-    stress, history, loss = update_stress(law, factors, strain, turn, after, earlier, memory)
-    taken = hypoelastic_work(law, after - before, earlier, memory, stress, history)
-
-    length, here = smallest_length(reach, now), sound * math.sqrt(after)
-    pressure, damping = viscous_pressure(viscosity, law.density / after, length, here, trace(strain) / dt)
-    resisted = 0.5 * reference * trace(strain) * (before * kept(work, VISCOUS, i, 0.0) + after * pressure)
-    slip, resistance = unexplained(flow, dt, gradient, middle), recalled(kept(work, MEMORY, i, TWELVE))
-    force, work_done = resist(hourglass, resistance, slip, turn, dt, law.density * reference, here, length)
-    stable = stable_length(reach, now)
-
-    keep(work, VOLUME, i, now)
-    keep(work, MID_VOLUME, i, mid_volume)
-    keep(work, JACOBIAN, i, after)
-    keep(work, STRESS, i, components(stress))
-    keep(work, HISTORY, i, history)
-    add(work, LOSS, i, 0.5 * (before + after) * loss)
-    add(work, HYPOELASTIC, i, taken)
-    keep(work, VISCOUS, i, pressure)
-    add(work, VISCOUS_LOSS, i, -resisted)
-    keep(work, MEMORY, i, remembered(force))
-    add(work, HOURGLASS, i, work_done)
-    keep(work, REST_STEP, i, stable / here)
-    keep(work, STEP_LENGTH, i, longest_step(viscosity, stable, length, here, damping))
-    keep(work, PLACE, i, corner_forces(nodal(stress - spherical(pressure), force, place, reach, now)))
+    half, gradient = volume_gradient(middle), volume_gradient(place)
+    mid_volume, now = volume(middle, half), volume(place, gradient)
+    stretch = mean_gradient(flow, half, dt / mid_volume)
+    increment = store_strain(work, i, matrix(stretch), material)
+    store_sym(work, STRAIN, i, increment)
+    store(work, SWEPT, i, trace(increment))
+    store(work, AFTER, i, now / load(work, REFERENCE, i))
+    store(work, VOLUME, i, now)
+    whole = now > 0.0 and mid_volume > 0.0 and smallest_length(place, gradient, now) > 0.0
+    store(work, WHOLE, i, 1.0 if whole else 0.0)
+    store(work, PLACE, i, flattened(place))
+    store(work, FLOW, i, hourglass_numbers(unexplained(hourglass_of(flow), dt, stretch, hourglass_of(middle))))
 
 
 @inline
-def unexplained(flow: Modes, dt: float, gradient: Columns, place: Modes) -> Hourglass:
+def respond(
+    work: Any, i: int, cell: Any, material: MaterialCode, hourglass: Any, viscosity: BulkViscosity, dt: float
+) -> None:
+    """Find bulk viscosity, hourglass forces, stable step and corner forces of the block's element i."""
+    place, now = unflattened(cell, load_tuple(work, PLACE, i, mode_numbers(cell))), load(work, VOLUME, i)
+    gradient, reference, swept = volume_gradient(place), load(work, REFERENCE, i), load(work, SWEPT, i)
+    length, half = smallest_length(place, gradient, now), 0.5 * swept
+    swept_before, swept_after = half * load(work, JACOBIAN, i), half * load(work, AFTER, i)
+    sound, damping = apply_viscosity(work, i, material, viscosity, length, swept / dt, swept_before, swept_after)
+    slip = hourglass_of_numbers(load_tuple(work, FLOW, i, TWELVE))
+    before = hourglass_of_numbers(load_tuple(work, WEIGHTS, i, TWELVE))
+    mass = material.density * reference
+    h, taken = hourglass_force(hourglass, before, slip, load_matrix(work, ROTATION, i), dt, mass, sound, length)
+    stable = stable_length(place, gradient, now)
+    store(work, WEIGHTS, i, hourglass_numbers(h))
+    add(work, HOURGLASS_WORK, i, taken)
+    store(work, REST_STEP, i, stable / sound)
+    store(work, STEP_LENGTH, i, longest_step(viscosity, stable, length, sound, damping))
+    pull = pulling(load_sym(work, STRESS, i) - spherical(load(work, VISCOUS, i)), h, hourglass_of(place), now)
+    store(work, PLACE, i, corner_forces(mean_forces(place, gradient, pull, h)))
+
+
+@inline
+def unexplained(flow: Hourglass, dt: float, gradient: Columns, place: Hourglass) -> Hourglass:
     """Return the step of the hourglass modes less what the mean gradient explains, q = Δt v_α - G x_α, at mid-step."""
     return Hourglass(
         dt * flow.eta_zeta - applied(gradient, place.eta_zeta),
@@ -207,27 +191,18 @@ def unexplained(flow: Modes, dt: float, gradient: Columns, place: Modes) -> Hour
 
 
 @inline
-def nodal(pull: Sym, h: Hourglass, place: Modes, reach: Gradient, volume: float) -> Modes:
-    """Return an eighth of the forces on the modes: -σ ∂V/∂x, and those of the hourglass control.
+def pulling(stress: Sym, h: Hourglass, place: Hourglass, volume: float) -> Columns:
+    """Return what acts like a uniform stress: -σ, and a part of the hourglass control.
 
     The power of the latter, Σ h·q, is Σ h·v_α - (Σ h ⊗ x_α) : L with L = Σ v_m ⊗ ∂V/∂x_m / V; the second part acts
     like a stress.
     """
-    d, e, f, g = place.eta_zeta, place.zeta_xi, place.xi_eta, place.all
-    stress, k = sym_columns(pull), -0.125 / volume
-    total = Columns(
-        fused(_four(k * d.x, h.eta_zeta, k * e.x, h.zeta_xi, k * f.x, h.xi_eta, k * g.x, h.all), -0.125, stress.x),
-        fused(_four(k * d.y, h.eta_zeta, k * e.y, h.zeta_xi, k * f.y, h.xi_eta, k * g.y, h.all), -0.125, stress.y),
-        fused(_four(k * d.z, h.eta_zeta, k * e.z, h.zeta_xi, k * f.z, h.xi_eta, k * g.z, h.all), -0.125, stress.z),
-    )
-    return Modes(
-        applied(total, reach.xi),
-        applied(total, reach.eta),
-        applied(total, reach.zeta),
-        fused(applied(total, reach.eta_zeta), 0.125, h.eta_zeta),
-        fused(applied(total, reach.zeta_xi), 0.125, h.zeta_xi),
-        fused(applied(total, reach.xi_eta), 0.125, h.xi_eta),
-        0.125 * h.all,
+    d, e, f, g = place
+    s, k = sym_columns(stress), -1.0 / volume
+    return Columns(
+        fused(_four(k * d.x, h.eta_zeta, k * e.x, h.zeta_xi, k * f.x, h.xi_eta, k * g.x, h.all), -1.0, s.x),
+        fused(_four(k * d.y, h.eta_zeta, k * e.y, h.zeta_xi, k * f.y, h.xi_eta, k * g.y, h.all), -1.0, s.y),
+        fused(_four(k * d.z, h.eta_zeta, k * e.z, h.zeta_xi, k * f.z, h.xi_eta, k * g.z, h.all), -1.0, s.z),
     )
 
 

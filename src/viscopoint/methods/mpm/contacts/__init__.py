@@ -3,18 +3,15 @@
 A choice is a NamedTuple, offered under the name that a case uses, and an implementation of ``closed``.
 """
 
-from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 
-from viscopoint.discovery import import_all
-from viscopoint.interactions.planes import RigidWall
+from viscopoint.discovery import Registry, import_all
+from viscopoint.interactions.planes import Plane
 from viscopoint.kernels.jit import generic
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
-
-T = TypeVar("T")
 
 
 class Contact(Protocol):
@@ -24,7 +21,7 @@ class Contact(Protocol):
     spares: int  # how many spare arrays of nodes the choice needs
 
     @classmethod
-    def at(cls, wall: RigidWall, points: Points, grid: Grid, shape: Any, half: float) -> "Contact":
+    def at(cls, wall: Plane, points: Points, grid: Grid, shape: Any, half: float) -> "Contact":
         """Return what ``closed`` needs while points are where they are.
 
         ``half`` is half the height of a point's material at the start [mm].
@@ -32,23 +29,13 @@ class Contact(Protocol):
         ...
 
 
-CONTACTS: dict[str, type[Contact]] = {}
+CONTACTS: Registry[type[Contact]] = Registry()
 
 
 @generic
 def closed(contact: Any, node: np.uint64) -> bool:
     """Return whether the wall acts on a node of its own plane or beyond it."""
     raise NotImplementedError
-
-
-def offer(name: str) -> Callable[[type[T]], type[T]]:
-    """Let cases choose the decorated contact by ``name``."""
-
-    def register(contact: type[T]) -> type[T]:
-        CONTACTS[name] = contact  # pyright: ignore[reportArgumentType]
-        return contact
-
-    return register
 
 
 import_all(__name__)

@@ -14,11 +14,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from viscopoint.interactions.planes import RigidWall
+from viscopoint.interactions.planes import Plane
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import implements, inline, serial_kernel
-from viscopoint.methods.mpm.contacts import closed, offer
-from viscopoint.methods.mpm.grid import Grid, forget
+from viscopoint.kernels.tensors import dot, inner, read_vector
+from viscopoint.methods.mpm.contacts import CONTACTS, closed
+from viscopoint.methods.mpm.grid import Grid, zero
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.support import Support, around
 
@@ -26,7 +27,7 @@ TOUCHING = 1e-9  # cells; a foot that stands on the wall does so whatever the la
 REACH = 2  # cells; points further above the wall act on none of its nodes
 
 
-@offer("gated")
+@CONTACTS.register("gated")
 class Gated(NamedTuple):
     """The nodes on which arrived material acts."""
 
@@ -36,21 +37,27 @@ class Gated(NamedTuple):
     spares = 1
 
     @classmethod
-    def at(cls, wall: RigidWall, points: Points, grid: Grid, shape: Any, half: float) -> "Gated":
+    def at(cls, wall: Plane, points: Points, grid: Grid, shape: Any, half: float) -> "Gated":
         arrived = grid.spare[0]
-        forget(arrived)
-        mark_arrived(points, grid, shape, wall.height, half, arrived)
+        zero(arrived)
+        slabs = len(grid.start) - 2
+        if wall.normal[2] == 1.0:  # few points: only slabs that begin below this plane
+            slabs = min(max(int((wall.point[2] - grid.z0) * grid.per_cell) + REACH, 0) // grid.layers + 1, slabs)
+        mark_arrived(points, grid, shape, wall, half, slabs, arrived)
         return cls(arrived)
 
 
 @serial_kernel
-def mark_arrived(points: Points, grid: Grid, shape: Any, height: float, half: float, arrived: Array) -> None:
-    """Mark the nodes on which a point acts whose lower edge is at the wall or below."""
-    near = int((height - grid.z0) * grid.per_cell) + REACH  # few points: only slabs that begin below this plane
-    for slab in range(min(near // grid.layers + 1, len(grid.start) - 2)):
+def mark_arrived(points: Points, grid: Grid, shape: Any, wall: Plane, half: float, slabs: int, arrived: Array) -> None:
+    """Mark the nodes on which a point acts whose box reaches the wall."""
+    n, point = read_vector(wall.normal), read_vector(wall.point)
+    for slab in range(slabs):
         for q in range(grid.start[slab], grid.start[slab + 1]):
             p = grid.order[q]
-            if points.position[p, 2] - half * points.stretch[p, 2] <= height + TOUCHING * grid.cell:
+            extent = half * inner(
+                abs(n.x), points.stretch[p, 0], abs(n.y), points.stretch[p, 1], abs(n.z), points.stretch[p, 2]
+            )
+            if dot(read_vector(points.position[p]) - point, n) - extent <= TOUCHING * grid.cell:
                 mark(arrived, grid, around(points, p, grid, shape))
 
 

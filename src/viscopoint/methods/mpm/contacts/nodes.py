@@ -7,14 +7,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from viscopoint.interactions.planes import RigidWall
+from viscopoint.interactions.planes import Plane
 from viscopoint.kernels.jit import implements
-from viscopoint.methods.mpm.contacts import closed, offer
+from viscopoint.methods.mpm.contacts import CONTACTS, closed
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 
 
-@offer("nodes")
+@CONTACTS.register("nodes")
 class Nodes(NamedTuple):
     """Nothing to look at."""
 
@@ -22,7 +22,7 @@ class Nodes(NamedTuple):
     spares = 0
 
     @classmethod
-    def at(cls, wall: RigidWall, points: Points, grid: Grid, shape: Any, half: float) -> "Nodes":
+    def at(cls, wall: Plane, points: Points, grid: Grid, shape: Any, half: float) -> "Nodes":
         return cls()
 
 

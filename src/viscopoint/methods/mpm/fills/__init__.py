@@ -7,23 +7,13 @@ those of axisymmetric rods (``mpm.geometry``), under the same names.
 
 from collections.abc import Callable
 
-from viscopoint.discovery import import_all
+from viscopoint.discovery import Registry, import_all
 from viscopoint.model.body import Body
 
 Fill = Callable[[float, float, float], Body]
 EXACT_FILL = 'method.fill = "trimmed", which has the rod\'s volume, or a smaller method.spacing'
-FILLS: dict[str, Fill] = {}
-MERIDIANS: dict[str, Fill] = {}
-
-
-def offer(name: str, among: dict[str, Fill] = FILLS) -> Callable[[Fill], Fill]:
-    """Let cases choose the decorated fill by ``name``."""
-
-    def register(fill: Fill) -> Fill:
-        among[name] = fill
-        return fill
-
-    return register
+FILLS: Registry[Fill] = Registry()
+MERIDIANS: Registry[Fill] = Registry()
 
 
 import_all(__name__)

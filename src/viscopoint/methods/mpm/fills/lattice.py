@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from viscopoint.methods.mpm.fills import offer
+from viscopoint.methods.mpm.fills import FILLS
 from viscopoint.model.body import Body, Surface
 
 
-@offer("lattice")
+@FILLS.register("lattice")
 def rod_lattice(radius: float, length: float, spacing: float) -> Body:
     """Fill an upright rod, its foot at z = 0, with the paper's lattice.
 

@@ -8,19 +8,19 @@ neither would hold.
 import numpy as np
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.methods.mpm.fills import MERIDIANS, offer
+from viscopoint.methods.mpm.fills import MERIDIANS
 from viscopoint.model.body import Body, Surface
 
 
-@offer("lattice", MERIDIANS)
+@MERIDIANS.register("lattice")
 def half_lattice(radius: float, length: float, spacing: float) -> Body:
     """Fill the rod as the paper's lattice does along its axis, points at half spacings; boxes divide the radius."""
     rings, layers = max(round(radius / spacing), 1), int(length / spacing + 0.5 + 1e-9)
     return boxes(radius, rings, radius / rings, layers, spacing)
 
 
-@offer("rings", MERIDIANS)
-@offer("trimmed", MERIDIANS)
+@MERIDIANS.register("rings")
+@MERIDIANS.register("trimmed")
 def half_rings(radius: float, length: float, spacing: float) -> Body:
     """Fill the rod with boxes that divide radius and length, as close to ``spacing`` as can be: exactly its volume."""
     rings, layers = max(round(radius / spacing), 1), max(round(length / spacing), 2)

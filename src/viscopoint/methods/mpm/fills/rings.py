@@ -13,13 +13,13 @@ a distance further round.
 
 import numpy as np
 
-from viscopoint.methods.mpm.fills import offer
+from viscopoint.methods.mpm.fills import FILLS
 from viscopoint.model.body import Body, Surface
 
 INNERMOST = 3  # points of the first ring
 
 
-@offer("rings")
+@FILLS.register("rings")
 def rod_rings(radius: float, length: float, spacing: float) -> Body:
     """Fill the rod with rings and layers whose thicknesses divide radius and length, as close to ``spacing`` as can be.
 

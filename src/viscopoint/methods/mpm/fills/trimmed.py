@@ -16,11 +16,11 @@ from itertools import pairwise
 import numpy as np
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.methods.mpm.fills import offer
+from viscopoint.methods.mpm.fills import FILLS
 from viscopoint.model.body import Body, Surface
 
 
-@offer("trimmed")
+@FILLS.register("trimmed")
 def rod_trimmed(radius: float, length: float, spacing: float) -> Body:
     """Fill the rod with boxes side by side, cut where the rod ends: a lattice of exactly its volume.
 

@@ -4,14 +4,12 @@ A shape function is a NamedTuple (of its parameters, if it has any), offered und
 implementations of ``stencil`` and ``along``. The three axes are independent: N(x, y, z) = N(x) N(y) N(z).
 """
 
-from collections.abc import Callable
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, Self
 
-from viscopoint.discovery import import_all
+from viscopoint.discovery import Registry, import_all
 from viscopoint.kernels.jit import generic
 from viscopoint.methods.mpm.points import Points
 
-T = TypeVar("T")
 Weights = tuple[float, ...]
 Planes = tuple[int, int]  # counted from the grid's first node: where walls stand below and above the body
 NOWHERE = -1  # the plane of a wall that is not there
@@ -40,7 +38,7 @@ class Shape(Protocol):
         ...
 
 
-SHAPES: dict[str, type[Shape]] = {}
+SHAPES: Registry[type[Shape]] = Registry()
 
 
 @generic
@@ -61,16 +59,6 @@ def stencil(shape: Any, place: float) -> tuple[int, Weights, Weights]:
 def along(shape: Any, points: Points, p: int, axis: int) -> Any:
     """Return the shape function, for ``stencil``, that point p has along an axis."""
     raise NotImplementedError
-
-
-def offer(name: str) -> Callable[[type[T]], type[T]]:
-    """Let cases choose the decorated shape function by ``name``."""
-
-    def register(shape: type[T]) -> type[T]:
-        SHAPES[name] = shape  # pyright: ignore[reportArgumentType]
-        return shape
-
-    return register
 
 
 import_all(__name__)

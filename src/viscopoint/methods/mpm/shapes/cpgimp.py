@@ -18,12 +18,12 @@ import numpy as np
 
 from viscopoint.kernels.jit import implements
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.shapes import Planes, Weights, along, offer, stencil
+from viscopoint.methods.mpm.shapes import SHAPES, Planes, Weights, along, stencil
 
 WIDEST = 1.0  # of l, in cells
 
 
-@offer("cpgimp")
+@SHAPES.register("cpgimp")
 class ContiguousGimp(NamedTuple):
     """N = 1 - |s|, averaged over the point's box."""
 

@@ -16,10 +16,10 @@ import numpy as np
 
 from viscopoint.kernels.jit import implements, inline
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.shapes import NOWHERE, Planes, Weights, along, offer, stencil
+from viscopoint.methods.mpm.shapes import NOWHERE, SHAPES, Planes, Weights, along, stencil
 
 
-@offer("cubic")
+@SHAPES.register("cubic")
 class Cubic(NamedTuple):
     """Splines between walls on planes of nodes."""
 

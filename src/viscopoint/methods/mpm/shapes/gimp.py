@@ -14,10 +14,10 @@ import numpy as np
 
 from viscopoint.kernels.jit import implements
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.shapes import Planes, Weights, along, offer, stencil
+from viscopoint.methods.mpm.shapes import SHAPES, Planes, Weights, along, stencil
 
 
-@offer("gimp")
+@SHAPES.register("gimp")
 class Gimp(NamedTuple):
     """N = 1 - |s|, averaged over the box."""
 

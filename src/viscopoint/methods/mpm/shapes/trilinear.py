@@ -6,10 +6,10 @@ import numpy as np
 
 from viscopoint.kernels.jit import implements
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.shapes import Planes, Weights, along, offer, stencil
+from viscopoint.methods.mpm.shapes import SHAPES, Planes, Weights, along, stencil
 
 
-@offer("trilinear")
+@SHAPES.register("trilinear")
 class Trilinear(NamedTuple):
     """N = 1 - |s| over one cell either side."""
 

@@ -13,17 +13,14 @@ by APIC and TPIC: it is the ledger's remainder. The motion that APIC and TPIC ke
 it is kinetic energy of the points, m_p (v_p² + tr(C D C^T)) / 2 with C = B D⁻¹ for APIC, when they took it.
 """
 
-from collections.abc import Callable
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, Self
 
-from viscopoint.discovery import import_all
+from viscopoint.discovery import Registry, import_all
 from viscopoint.kernels.jit import generic, inline
 from viscopoint.kernels.tensors import Lanes, Sym
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.support import Support
-
-T = TypeVar("T")
 
 
 class Transfer(Protocol):
@@ -45,7 +42,7 @@ class Transfer(Protocol):
         ...
 
 
-TRANSFERS: dict[str, type[Transfer]] = {}
+TRANSFERS: Registry[type[Transfer]] = Registry()
 
 
 @generic
@@ -67,20 +64,11 @@ def take(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None
 
 
 @inline
-def carry(points: Points, p: int, velocity: Lanes, drift: Lanes) -> None:
+def store_velocity(points: Points, p: int, velocity: Lanes, grid_velocity: Lanes) -> None:
     """Store a point's velocity and the one with which it moves."""
     points.velocity[p, 0], points.velocity[p, 1], points.velocity[p, 2] = velocity.x, velocity.y, velocity.z
-    points.drift[p, 0], points.drift[p, 1], points.drift[p, 2] = drift.x, drift.y, drift.z
-
-
-def offer(name: str) -> Callable[[type[T]], type[T]]:
-    """Let cases choose the decorated transfer by ``name``."""
-
-    def register(transfer: type[T]) -> type[T]:
-        TRANSFERS[name] = transfer  # pyright: ignore[reportArgumentType]
-        return transfer
-
-    return register
+    moves = points.grid_velocity[p]
+    moves[0], moves[1], moves[2] = grid_velocity.x, grid_velocity.y, grid_velocity.z
 
 
 import_all(__name__)

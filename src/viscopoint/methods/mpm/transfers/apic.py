@@ -25,12 +25,12 @@ from viscopoint.methods.mpm.affine import (
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.support import Support, sampled
-from viscopoint.methods.mpm.transfers import carry, give, give_with_force, offer, take
+from viscopoint.methods.mpm.transfers import TRANSFERS, give, give_with_force, store_velocity, take
 
 LEAST = 1.0 / 6.0  # cells²: the mean of trilinear D over a cell
 
 
-@offer("apic")
+@TRANSFERS.register("apic")
 class Apic(NamedTuple):
     """Points keep B_p [mm^2/ms]."""
 
@@ -71,6 +71,6 @@ def momentum_and_force(transfer: Apic, points: Points, p: int, grid: Grid, at: S
 @implements(take, Apic)
 def seen(transfer: Apic, points: Points, p: int, grid: Grid, at: Support) -> None:
     moves = sampled(grid.velocity, grid, at)
-    carry(points, p, moves, moves)
+    store_velocity(points, p, moves, moves)
     store_matrix(points.affine, p, grid.cell, moment(grid.velocity, grid, at))
     points.affine_energy[p] = affine_energy(at, slope(points, p, grid, at, 0.0))

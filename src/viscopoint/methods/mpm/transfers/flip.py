@@ -14,10 +14,10 @@ from viscopoint.kernels.tensors import Lanes, Sym
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.support import Support, motion, spread, spread_with_force
-from viscopoint.methods.mpm.transfers import carry, give, give_with_force, offer, take
+from viscopoint.methods.mpm.transfers import TRANSFERS, give, give_with_force, store_velocity, take
 
 
-@offer("flip")
+@TRANSFERS.register("flip")
 class Flip(NamedTuple):
     """What the nodes gain is added to what the points have."""
 
@@ -52,4 +52,4 @@ def momentum_and_force(transfer: Flip, points: Points, p: int, grid: Grid, at: S
 def gained(transfer: Flip, points: Points, p: int, grid: Grid, at: Support) -> None:
     moves, gains = motion(grid, at)
     v, pic = points.velocity[p], transfer.pic
-    carry(points, p, (1.0 - pic) * (Lanes(v[0], v[1], v[2], 0.0) + gains) + pic * moves, moves)
+    store_velocity(points, p, (1.0 - pic) * (Lanes(v[0], v[1], v[2], 0.0) + gains) + pic * moves, moves)

@@ -18,10 +18,10 @@ from viscopoint.methods.mpm.affine import affine_energy, spread_affine, spread_f
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.support import Support, gradient, sampled
-from viscopoint.methods.mpm.transfers import carry, give, give_with_force, offer, take
+from viscopoint.methods.mpm.transfers import TRANSFERS, give, give_with_force, store_velocity, take
 
 
-@offer("tpic")
+@TRANSFERS.register("tpic")
 class Tpic(NamedTuple):
     """Points keep C_p [1/ms]."""
 
@@ -54,7 +54,7 @@ def momentum_and_force(transfer: Tpic, points: Points, p: int, grid: Grid, at: S
 @implements(take, Tpic)
 def seen(transfer: Tpic, points: Points, p: int, grid: Grid, at: Support) -> None:
     moves = sampled(grid.velocity, grid, at)
-    carry(points, p, moves, moves)
+    store_velocity(points, p, moves, moves)
     C = gradient(grid.velocity, grid, at, 1.0)
     store_matrix(points.affine, p, grid.per_cell, C)
     points.affine_energy[p] = affine_energy(at, C)

@@ -5,16 +5,13 @@ which every point takes one for itself. A cure is a NamedTuple, offered under th
 implementations of ``dilated`` and of its counterpart ``pull``: what counts as strain must also do the work.
 """
 
-from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
-from viscopoint.discovery import import_all
+from viscopoint.discovery import Registry, import_all
 from viscopoint.kernels.jit import generic
 from viscopoint.kernels.tensors import Sym
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
-
-T = TypeVar("T")
 
 
 class Volume(Protocol):
@@ -33,7 +30,7 @@ class Volume(Protocol):
         ...
 
 
-VOLUMES: dict[str, type[Volume]] = {}
+VOLUMES: Registry[type[Volume]] = Registry()
 
 
 @generic
@@ -55,16 +52,6 @@ def dilated(volume: Any, points: Points, p: int, grid: Grid, strain: Sym, ratio:
 def pull(volume: Any, points: Points, p: int, grid: Grid) -> Sym:
     """Return the stress, bulk viscosity included, with which point p acts on the nodes; ``volume`` is ``pressed``."""
     raise NotImplementedError
-
-
-def offer(name: str) -> Callable[[type[T]], type[T]]:
-    """Let cases choose the decorated volume by ``name``."""
-
-    def register(volume: type[T]) -> type[T]:
-        VOLUMES[name] = volume  # pyright: ignore[reportArgumentType]
-        return volume
-
-    return register
 
 
 import_all(__name__)

@@ -12,20 +12,18 @@ to push with its own, the works would differ by Σ V_p (p_p - p̄) θ_p: 5 % of 
 
 from typing import Any, NamedTuple
 
-from numba import prange
-
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import implements, kernel
-from viscopoint.kernels.slabs import PARTS, part_of
+from viscopoint.kernels.slabs import slabs_of
 from viscopoint.kernels.tensors import Sym, deviator, read, spherical, trace
-from viscopoint.methods.mpm.grid import Grid, forget
+from viscopoint.methods.mpm.grid import Grid, zero
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.support import around, cell_row, gradient
-from viscopoint.methods.mpm.volumes import dilated, offer, pull
-from viscopoint.model.kinematics import increments
+from viscopoint.methods.mpm.volumes import VOLUMES, dilated, pull
+from viscopoint.model.kinematics import at_mid_step, strain_and_rotation, volume_ratio
 
 
-@offer("cell-mean")
+@VOLUMES.register("cell-mean")
 class CellMean(NamedTuple):
     """Sums over the points of each cell, in the row of its first node."""
 
@@ -36,14 +34,14 @@ class CellMean(NamedTuple):
     @classmethod
     def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "CellMean":
         sums = grid.spare[0]
-        forget(sums)
+        zero(sums)
         sum_dilatation(points, grid, shape, dt, sums)
         return cls(sums)
 
     @classmethod
     def pressed(cls, points: Points, grid: Grid) -> "CellMean":
         sums = grid.spare[0]
-        forget(sums)
+        zero(sums)
         sum_tension(points, grid, sums)
         return cls(sums)
 
@@ -51,45 +49,45 @@ class CellMean(NamedTuple):
 # No cell is in two slabs: threads that take whole slabs share no sum.
 
 
-@kernel
-def sum_dilatation(points: Points, grid: Grid, shape: Any, dt: float, sums: Array) -> None:
+@kernel()
+def sum_dilatation(part: int, points: Points, grid: Grid, shape: Any, dt: float, sums: Array) -> None:
     """Sum over each cell V_p, V_p tr Δε_p and V_p (θ_p - 1)."""
-    start, slabs = grid.start, len(grid.start) - 2
-    for part in prange(PARTS):
-        for slab in part_of(start, slabs, part):
-            for q in range(start[slab], start[slab + 1]):
-                p: int = grid.order[q]
-                at = around(points, p, grid, shape)
-                strain, _, ratio = increments(gradient(grid.velocity, grid, at, dt * grid.per_cell))
-                volume = points.jacobian[p] * points.volume[p]
-                cell = cell_row(points, p, grid)
-                sums[cell, 0] += volume
-                sums[cell, 1] += volume * trace(strain)
-                sums[cell, 2] += volume * (ratio - 1.0)
+    start = grid.start
+    for slab in slabs_of(start, len(start) - 2, part):
+        for q in range(start[slab], start[slab + 1]):
+            p: int = grid.order[q]
+            at = around(points, p, grid, shape)
+            moved = gradient(grid.velocity, grid, at, dt * grid.per_cell)
+            strain, _ = strain_and_rotation(at_mid_step(moved))
+            ratio = volume_ratio(moved)
+            volume = points.shared.jacobian[p] * points.volume[p]
+            cell = cell_row(points, p, grid)
+            sums[cell, 0] += volume
+            sums[cell, 1] += volume * trace(strain)
+            sums[cell, 2] += volume * (ratio - 1.0)
 
 
-@kernel
-def sum_tension(points: Points, grid: Grid, sums: Array) -> None:
+@kernel()
+def sum_tension(part: int, points: Points, grid: Grid, sums: Array) -> None:
     """Sum over each cell V_p and -V_p p_p, bulk viscosity included."""
-    start, slabs = grid.start, len(grid.start) - 2
-    for part in prange(PARTS):
-        for slab in part_of(start, slabs, part):
-            for q in range(start[slab], start[slab + 1]):
-                p: int = grid.order[q]
-                volume = points.jacobian[p] * points.volume[p]
-                cell = cell_row(points, p, grid)
-                sums[cell, 0] += volume
-                sums[cell, 1] += volume * (trace(read(points.stress[p])) / 3.0 - points.viscous_pressure[p])
+    start = grid.start
+    for slab in slabs_of(start, len(start) - 2, part):
+        for q in range(start[slab], start[slab + 1]):
+            p: int = grid.order[q]
+            volume = points.shared.jacobian[p] * points.volume[p]
+            cell = cell_row(points, p, grid)
+            sums[cell, 0] += volume
+            sums[cell, 1] += volume * (trace(read(points.material.stress[p])) / 3.0 - points.shared.viscous_pressure[p])
 
 
 @implements(dilated, CellMean)
 def shared_volume(volume: CellMean, points: Points, p: int, grid: Grid, strain: Sym, ratio: float) -> tuple[Sym, float]:
     cell = cell_row(points, p, grid)
-    whole, swelling, growth = volume.sums[cell, 0], volume.sums[cell, 1], volume.sums[cell, 2]
-    return deviator(strain) + spherical(swelling / (3.0 * whole)), 1.0 + growth / whole
+    whole, swept, growth = volume.sums[cell, 0], volume.sums[cell, 1], volume.sums[cell, 2]
+    return deviator(strain) + spherical(swept / (3.0 * whole)), 1.0 + growth / whole
 
 
 @implements(pull, CellMean)
 def shared_pressure(volume: CellMean, points: Points, p: int, grid: Grid) -> Sym:
     cell = cell_row(points, p, grid)
-    return deviator(read(points.stress[p])) + spherical(volume.sums[cell, 1] / volume.sums[cell, 0])
+    return deviator(read(points.material.stress[p])) + spherical(volume.sums[cell, 1] / volume.sums[cell, 0])

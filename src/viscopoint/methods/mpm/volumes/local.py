@@ -8,10 +8,10 @@ from viscopoint.kernels.jit import implements
 from viscopoint.kernels.tensors import Sym, read, spherical
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.volumes import dilated, offer, pull
+from viscopoint.methods.mpm.volumes import VOLUMES, dilated, pull
 
 
-@offer("local")
+@VOLUMES.register("local")
 class Local(NamedTuple):
     """Nothing is averaged."""
 
@@ -33,4 +33,4 @@ def own_volume(volume: Local, points: Points, p: int, grid: Grid, strain: Sym, r
 
 @implements(pull, Local)
 def own_stress(volume: Local, points: Points, p: int, grid: Grid) -> Sym:
-    return read(points.stress[p]) - spherical(np.float64(points.viscous_pressure[p]))
+    return read(points.material.stress[p]) - spherical(np.float64(points.shared.viscous_pressure[p]))

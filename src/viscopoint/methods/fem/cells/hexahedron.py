@@ -7,8 +7,7 @@ With reference coordinates ξ, η, ζ in [-1, 1], any field that the eight corne
 The constant says nothing of strain. Three modes are linear; the other four, which a uniform strain does not see, are
 the hourglass modes. Corners are numbered as VTK does: the lower face around, then the upper one.
 
-The force that works on a mode is the sum of the corner forces with the mode's signs; ``corner_forces`` takes an
-eighth of it to each corner.
+``corner_forces`` takes an eighth of the forces on the modes to each corner.
 """
 
 import math
@@ -17,8 +16,36 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.kernels.jit import inline
+from viscopoint.kernels.jit import implements, inline
 from viscopoint.kernels.tensors import Columns, Vec, applied, cross, dot, fused, fused_product, product, total
+from viscopoint.methods.fem.cells import (
+    Corners,
+    Hourglass,
+    add_point_force,
+    add_pressure,
+    at_point,
+    corner_forces,
+    corner_numbers,
+    corner_values,
+    flattened,
+    hourglass_of,
+    mean_forces,
+    mean_gradient,
+    mode_numbers,
+    modes_of,
+    moved,
+    no_force,
+    point_numbers,
+    point_weights,
+    selective_length,
+    sharpest,
+    smallest_length,
+    stable_length,
+    unflattened,
+    volume,
+    volume_gradient,
+    weight_numbers,
+)
 
 GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 x 2 rule, whose points stand like the corners
 #                  0     1     2     3     4     5     6     7
@@ -27,8 +54,11 @@ ETA = np.array([-1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, 1.0])
 ZETA = np.array([-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])
 
 
-Corners = tuple[float, ...]  # 24 numbers: x, y and z at each corner
-Flat = tuple[float, ...]  # 21 numbers: x, y and z of each mode
+OF_CORNERS, OF_MODES, OF_POINT = (0.0,) * 24, (0.0,) * 21, (0.0,) * 9
+
+
+class Hexahedron(NamedTuple):
+    """The cell; nothing to know of it."""
 
 
 class Modes(NamedTuple):
@@ -41,15 +71,6 @@ class Modes(NamedTuple):
     zeta_xi: Vec  # e
     xi_eta: Vec  # f
     all: Vec  # g, of ξηζ
-
-
-class Hourglass(NamedTuple):
-    """The part of a field that the uniform gradient does not see."""
-
-    eta_zeta: Vec
-    zeta_xi: Vec
-    xi_eta: Vec
-    all: Vec
 
 
 class Gradient(NamedTuple):
@@ -74,12 +95,26 @@ class Slopes(NamedTuple):
 @inline
 def modes(values: Array, corner: Any) -> Modes:
     """Return the modes of the nodal ``values[n, 3]`` at the nodes ``corner[8]`` of an element."""
-    return modes_of(corner_values(values, corner))
+    return modes_of(Hexahedron(), corner_values(Hexahedron(), values, corner))
 
 
-@inline
-def corner_values(values: Array, corner: Any) -> Corners:
-    """Return the nodal ``values[n, 3]`` at the nodes ``corner[8]`` of an element."""
+@implements(corner_numbers, Hexahedron)
+def of_corners(cell: Hexahedron) -> Corners:
+    return OF_CORNERS
+
+
+@implements(mode_numbers, Hexahedron)
+def of_modes(cell: Hexahedron) -> tuple[float, ...]:
+    return OF_MODES
+
+
+@implements(weight_numbers, Hexahedron)
+def of_point(cell: Hexahedron) -> tuple[float, ...]:
+    return OF_POINT
+
+
+@implements(corner_values, Hexahedron)
+def eight_values(cell: Hexahedron, values: Array, corner: Any) -> Corners:
     a, b, c, d, e, f, g, h = (
         corner[0], corner[1], corner[2], corner[3], corner[4], corner[5], corner[6], corner[7]
     )  # fmt: skip
@@ -91,9 +126,9 @@ def corner_values(values: Array, corner: Any) -> Corners:
     )  # fmt: skip
 
 
-@inline
-def modes_of(x: Corners) -> Modes:
-    """Return the modes of a field by its corner values."""
+@implements(modes_of, Hexahedron)
+def seven_modes(cell: Hexahedron, values: Corners) -> Modes:
+    x = values
     a, b, c, d = Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11])
     e, f, g, h = Vec(x[12], x[13], x[14]), Vec(x[15], x[16], x[17]), Vec(x[18], x[19], x[20]), Vec(x[21], x[22], x[23])
     ba, cd, fe, gh = b - a, c - d, f - e, g - h
@@ -111,9 +146,8 @@ def modes_of(x: Corners) -> Modes:
     )
 
 
-@inline
-def flattened(field: Modes) -> Flat:
-    """Return the 21 numbers of a field."""
+@implements(flattened, Modes)
+def flat(field: Modes) -> tuple[float, ...]:
     a, b, c, d, e, f, g = field
     return (
         a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z,
@@ -121,35 +155,39 @@ def flattened(field: Modes) -> Flat:
     )  # fmt: skip
 
 
-@inline
-def unflattened(x: Flat) -> Modes:
-    """Return the field of 21 numbers."""
+@implements(unflattened, Hexahedron)
+def of_flat(cell: Hexahedron, numbers: tuple[float, ...]) -> Modes:
+    x = numbers
     return Modes(
         Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11]),
         Vec(x[12], x[13], x[14]), Vec(x[15], x[16], x[17]), Vec(x[18], x[19], x[20]),
     )  # fmt: skip
 
 
-@inline
-def corner_forces(on: Modes) -> Corners:
-    """Return the forces at the corners of which ``on`` is an eighth of the forces on the modes."""
+@implements(no_force, Hexahedron)
+def nil(cell: Hexahedron) -> Modes:
+    none = Vec(0.0, 0.0, 0.0)
+    return Modes(none, none, none, none, none, none, none)
+
+
+@implements(corner_forces, Modes)
+def to_corners(on: Modes) -> Corners:
     p, q, r = on.xi - on.zeta_xi, on.eta - on.eta_zeta, on.xi_eta - on.all
     t, u, v = on.xi + on.zeta_xi, on.eta + on.eta_zeta, on.xi_eta + on.all
     along, across = p + q, p - q
-    a, b = r - on.zeta - along, across - r - on.zeta
-    c, d = along + r - on.zeta, (-1.0) * (across + r) - on.zeta
+    a, b = 0.125 * (r - on.zeta - along), 0.125 * (across - r - on.zeta)
+    c, d = 0.125 * (along + r - on.zeta), (-0.125) * (across + r + on.zeta)
     along, across = t + u, t - u
-    e, f = on.zeta + v - along, on.zeta + across - v
-    g, h = on.zeta + along + v, on.zeta - across - v
+    e, f = 0.125 * (on.zeta + v - along), 0.125 * (on.zeta + across - v)
+    g, h = 0.125 * (on.zeta + along + v), 0.125 * (on.zeta - across - v)
     return (
         a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z,
         e.x, e.y, e.z, f.x, f.y, f.z, g.x, g.y, g.z, h.x, h.y, h.z,
     )  # fmt: skip
 
 
-@inline
-def moved(place: Modes, step: float, velocity: Modes) -> Modes:
-    """Return place + step velocity."""
+@implements(moved, Modes)
+def moved_on(place: Modes, step: float, velocity: Modes) -> Modes:
     return Modes(
         fused(place.xi, step, velocity.xi),
         fused(place.eta, step, velocity.eta),
@@ -161,9 +199,9 @@ def moved(place: Modes, step: float, velocity: Modes) -> Modes:
     )
 
 
-@inline
-def volume_gradient(place: Modes) -> Gradient:
-    """Return ∂V/∂x for V = 8 [a·(b x c) - (a·(e x f) + b·(f x d) + c·(d x e)) / 3]."""
+@implements(volume_gradient, Modes)
+def gradient_of_volume(place: Modes) -> Gradient:
+    # of V = 8 [a·(b x c) - (a·(e x f) + b·(f x d) + c·(d x e)) / 3]
     a, b, c, d, e, f, _ = place
     third = 8.0 / 3.0
     return Gradient(
@@ -176,18 +214,17 @@ def volume_gradient(place: Modes) -> Gradient:
     )
 
 
-@inline
-def volume(place: Modes, gradient: Gradient) -> float:
-    """Return the exact volume of the element, a cubic in its modes: by Euler, a third of x·∂V/∂x."""
+@implements(volume, Modes)
+def exact_volume(place: Modes, gradient: Gradient) -> float:
+    # a cubic in the modes: by Euler, a third of x·∂V/∂x
     a, b, c, d, e, f, _ = place
     w = gradient
     linear = fused_product(fused_product(product(a, w.xi), b, w.eta), c, w.zeta)
     return total(fused_product(fused_product(fused_product(linear, d, w.eta_zeta), e, w.zeta_xi), f, w.xi_eta)) / 3.0
 
 
-@inline
-def mean_gradient(field: Modes, gradient: Gradient, scale: float) -> Columns:
-    """Return scale ∫∂field/∂x over the element: the field's mean gradient for scale = 1/V."""
+@implements(mean_gradient, Modes)
+def gradient_of_modes(field: Modes, gradient: Gradient, scale: float) -> Columns:
     a, b, c, d, e, f, _ = field
     w = gradient
     return Columns(
@@ -234,10 +271,88 @@ def local_gradient(field: Slopes, faces: Slopes, scale: float) -> Columns:
     )
 
 
-@inline
-def gathered(on: Modes, pull: Columns, faces: Slopes, xi: float, eta: float, zeta: float) -> Modes:
-    """Add to the forces on the modes those of a stress at a place of weight one: the transpose of ``slopes``."""
-    a, b, c = applied(pull, faces.xi), applied(pull, faces.eta), applied(pull, faces.zeta)
+@implements(smallest_length, Modes)
+def thinnest(place: Modes, gradient: Gradient, volume: float) -> float:
+    # V over the area of a section between opposite faces
+    xi, eta, zeta = gradient.xi, gradient.eta, gradient.zeta
+    largest = max(dot(xi, xi), max(dot(eta, eta), dot(zeta, zeta)))
+    return 2.0 * volume / math.sqrt(largest)
+
+
+@implements(stable_length, Modes)
+def brick_length(place: Modes, gradient: Gradient, volume: float) -> float:
+    """Return l, 1/l² = Σ 1/l_k² of a brick's three edges.
+
+    The power of a stress is Σ v_m · σ ∂V/∂x_m and the element's mass, an eighth at each corner, moves with v_m², so
+    that by Cauchy and Schwarz ω² <= M Σ |∂V/∂x_m|² / (ρ V²) (after Flanagan & Belytschko 1984). The smallest edge
+    alone, l/c, is too long a step where an element swells along all three axes at once, as it easily does in a soft
+    solid of high bulk modulus.
+    """
+    w = gradient
+    linear = fused_product(fused_product(product(w.xi, w.xi), w.eta, w.eta), w.zeta, w.zeta)
+    d, e, f = w.eta_zeta, w.zeta_xi, w.xi_eta
+    return 2.0 * volume / math.sqrt(total(fused_product(fused_product(fused_product(linear, d, d), e, e), f, f)))
+
+
+@implements(hourglass_of, Modes)
+def four_of_seven(field: Modes) -> Hourglass:
+    return Hourglass(field.eta_zeta, field.zeta_xi, field.xi_eta, field.all)
+
+
+@implements(mean_forces, Modes)
+def of_mean_stress(place: Modes, gradient: Gradient, pull: Columns, h: Hourglass) -> Modes:
+    return Modes(
+        applied(pull, gradient.xi),
+        applied(pull, gradient.eta),
+        applied(pull, gradient.zeta),
+        h.eta_zeta + applied(pull, gradient.eta_zeta),
+        h.zeta_xi + applied(pull, gradient.zeta_xi),
+        h.xi_eta + applied(pull, gradient.xi_eta),
+        h.all,
+    )
+
+
+@implements(add_pressure, Modes)
+def with_pressure(on: Modes, gradient: Gradient, pressure: float) -> Modes:
+    return Modes(
+        on.xi + pressure * gradient.xi,
+        on.eta + pressure * gradient.eta,
+        on.zeta + pressure * gradient.zeta,
+        on.eta_zeta + pressure * gradient.eta_zeta,
+        on.zeta_xi + pressure * gradient.zeta_xi,
+        on.xi_eta + pressure * gradient.xi_eta,
+        on.all,
+    )
+
+
+@implements(at_point, Modes)
+def at_gauss_point(place: Modes, flow: Modes, dt: float, k: int) -> tuple[Columns, float, Slopes, float]:
+    xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
+    here, motion = slopes(place, xi, eta, zeta), slopes(flow, xi, eta, zeta)
+    middle, det_middle = areas(Slopes(
+        here.xi - 0.5 * dt * motion.xi, here.eta - 0.5 * dt * motion.eta, here.zeta - 0.5 * dt * motion.zeta
+    ))  # fmt: skip
+    faces, det = areas(here)
+    return local_gradient(motion, middle, dt / det_middle), det_middle, faces, det
+
+
+@implements(point_numbers, Slopes)
+def of_faces(weights: Slopes) -> tuple[float, ...]:
+    a, b, c = weights
+    return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z)
+
+
+@implements(point_weights, Hexahedron)
+def faces_of(cell: Hexahedron, numbers: tuple[float, ...]) -> Slopes:
+    x = numbers
+    return Slopes(Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]))
+
+
+@implements(add_point_force, Modes)
+def gathered(on: Modes, weights: Slopes, stress: Columns, k: int) -> Modes:
+    """Add the transpose of ``slopes``."""
+    xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
+    a, b, c = applied(stress, weights.xi), applied(stress, weights.eta), applied(stress, weights.zeta)
     return Modes(
         on.xi + a,
         on.eta + b,
@@ -249,24 +364,13 @@ def gathered(on: Modes, pull: Columns, faces: Slopes, xi: float, eta: float, zet
     )
 
 
-@inline
-def smallest_length(gradient: Gradient, volume: float) -> float:
-    """Return the least of the element's three thicknesses, V over the area of a section between opposite faces."""
-    xi, eta, zeta = gradient.xi, gradient.eta, gradient.zeta
-    largest = max(dot(xi, xi), max(dot(eta, eta), dot(zeta, zeta)))
-    return 2.0 * volume / math.sqrt(largest)
+@implements(sharpest, Modes)
+def greatest_area(place: Modes, so_far: float, weights: Slopes, det: float) -> float:
+    area = dot(weights.xi, weights.xi) + dot(weights.eta, weights.eta) + dot(weights.zeta, weights.zeta)
+    return max(so_far, area / det)
 
 
-@inline
-def stable_length(gradient: Gradient, volume: float) -> float:
-    """Return l such that no element frequency exceeds 2c/l: 1/l² = Σ 1/l_k² of a brick's three edges.
-
-    The power of a stress is Σ v_m · σ ∂V/∂x_m and the element's mass, an eighth at each corner, moves with v_m², so
-    that by Cauchy and Schwarz ω² <= M Σ |∂V/∂x_m|² / (ρ V²) (after Flanagan & Belytschko 1984). The smallest edge
-    alone, l/c, is too long a step where an element swells along all three axes at once, as it easily does in a soft
-    solid of high bulk modulus.
-    """
-    w = gradient
-    linear = fused_product(fused_product(product(w.xi, w.xi), w.eta, w.eta), w.zeta, w.zeta)
-    d, e, f = w.eta_zeta, w.zeta_xi, w.xi_eta
-    return 2.0 * volume / math.sqrt(total(fused_product(fused_product(fused_product(linear, d, d), e, e), f, f)))
+@implements(selective_length, Modes)
+def with_shear(place: Modes, gradient: Gradient, volume: float, sharpest: float) -> float:
+    # shear at eight points: 2G Σ det |ε|² <= 2G · 8 max(area/det) of the modes' squares (see ``brick_length``)
+    return min(stable_length(place, gradient, volume), 2.0 * math.sqrt(volume / (8.0 * sharpest)))

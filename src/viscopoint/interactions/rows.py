@@ -1,0 +1,224 @@
+"""Constraints on nodes as rows of one system, and its solution.
+
+A row says of the velocity u = Σ w v of some nodes (weights w, over all bodies) that along its normal it is
+
+    u · n >= least        (a wall, a contact: it pushes, rubs and separates freely)
+    u · n  = least        (symmetry, prescribed motion, a tie)
+
+The impulses that see to it are found by projected Gauss-Seidel from zero, in the order of the rows: each row takes what
+its nodes lack, within λ >= 0 and the friction cone |τ| <= μ λ, until no row changes (Jean 1999; Erleben 2017). It needs
+no penalty and bounds no step; linear momentum is exact after any number of sweeps. Rows that share no node, such as
+those of a wall, are solved by the first sweep.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscopoint.kernels.arrays import Array, Indices
+from viscopoint.kernels.jit import inline, serial_kernel
+from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
+
+# columns of ``Rows.row``
+NORMAL, POINT, LEAST, FRICTION, TWO_SIDED, LAMBDA, TANGENTIAL, ROW = 0, 3, 6, 7, 8, 9, 10, 13
+# columns of ``Rows.motion``
+VELOCITY, BEFORE, TRIAL, INVERSE, MOTION = 0, 3, 6, 9, 12
+# what an interaction does to a body: impulse x, y, z [N ms]; work of the normal and of the tangential impulse [mJ]
+REACTIONS, NORMAL_WORK, FRICTION_WORK = 5, 3, 4
+SWEEPS, CLOSE = 100, 1e-12  # at most; of the greatest change of velocity in the first sweep
+
+
+class Rows(NamedTuple):
+    """The constraints of one instant; nodes on which they act are gathered in slots, each once."""
+
+    size: Indices  # [2], rows and slots in use
+    start: Indices  # [r + 1], where each row's entries begin
+    slot: Indices  # [k], of an entry
+    weight: Array  # [k], w
+    row: Array  # [r, ROW]: n, a point on the plane, least u · n, μ, whether two-sided; then λ and τ, N ms
+    owner: Indices  # [r], the interaction, whose reaction it is
+    node: Indices  # [s, 2], body and node of a slot
+    motion: (
+        Array  # [s, MOTION]: v; v before forces and constraints; v after the forces [mm/ms]; 1/m along x, y, z [1/g]
+    )
+
+
+def empty_rows(capacity: int) -> Rows:
+    """Return room for so many rows of one node each."""
+    return Rows(
+        size=np.zeros(2, np.int64),
+        start=np.zeros(capacity + 1, np.int64),
+        slot=np.zeros(capacity, np.int64),
+        weight=np.zeros(capacity),
+        row=np.zeros((capacity, ROW)),
+        owner=np.zeros(capacity, np.int64),
+        node=np.zeros((capacity, 2), np.int64),
+        motion=np.zeros((capacity, MOTION)),
+    )
+
+
+def with_room(rows: Rows, more: int) -> Rows:
+    """Return the rows with room for ``more`` of one node each."""
+    needed = int(rows.size.max()) + more
+    if needed <= len(rows.owner):
+        return rows
+    larger = empty_rows(2 * needed)
+    for old, new in zip(rows, larger, strict=True):
+        new[: len(old)] = old
+    return larger
+
+
+@inline
+def add_row(
+    rows: Rows, slot: int, owner: int, normal: Vec, point: Vec, least: float, friction: float, two_sided: bool
+) -> None:
+    """Add a row of one node."""
+    r = rows.size[0]
+    rows.slot[r], rows.weight[r], rows.owner[r] = slot, 1.0, owner
+    rows.start[r + 1] = r + 1
+    row = rows.row[r]
+    write_vector(row[NORMAL:], normal)
+    write_vector(row[POINT:], point)
+    row[LEAST], row[FRICTION], row[TWO_SIDED] = least, friction, 1.0 if two_sided else 0.0
+    rows.size[0] = r + 1
+
+
+@inline
+def add_slot(rows: Rows, body: int, node: int) -> int:
+    """Return a new slot, for a node."""
+    s = rows.size[1]
+    rows.node[s, 0], rows.node[s, 1] = body, node
+    rows.size[1] = s + 1
+    return s
+
+
+@inline
+def load_slot(rows: Rows, s: int, before: Vec, velocity: Vec, inverse_mass: Vec) -> None:
+    """Say how a slot's node moved before the forces, and moves after them."""
+    motion = rows.motion[s]
+    write_vector(motion[VELOCITY:], velocity)
+    write_vector(motion[BEFORE:], before)
+    write_vector(motion[TRIAL:], velocity)
+    write_vector(motion[INVERSE:], inverse_mass)
+
+
+@serial_kernel
+def solve(rows: Rows, reactions: Array) -> None:
+    """Find the impulses, let the slots have their velocities, and add to ``reactions[owner, REACTIONS]``."""
+    count = rows.size[0]
+    for r in range(count):
+        for column in range(LAMBDA, ROW):
+            rows.row[r, column] = 0.0
+    first = 0.0
+    for sweep in range(SWEEPS if rows.start[count] > rows.size[1] else 1):
+        most = 0.0
+        for r in range(count):
+            most = max(most, _relax(rows, r))
+        if sweep == 0:
+            first = most
+        elif most <= CLOSE * first:
+            break
+    for r in range(count):
+        _account(rows, r, reactions[rows.owner[r]])
+
+
+@serial_kernel
+def relax_bounds(rows: Rows) -> None:
+    """Let one-sided rows hold what they have stopped, and nothing else: for the second half of a step."""
+    for r in range(rows.size[0]):
+        if rows.row[r, TWO_SIDED] == 0.0:
+            rows.row[r, LEAST] = 0.0 if rows.row[r, LAMBDA] > 0.0 else -np.inf
+
+
+@inline
+def _relax(rows: Rows, r: int) -> float:
+    """Let row r take what its nodes lack; return the change of its velocity [mm/ms]."""
+    row, entries = rows.row[r], range(rows.start[r], rows.start[r + 1])
+    normal, before = read_vector(row[NORMAL:]), row[LAMBDA]
+    inverse, along = 0.0, 0.0
+    for k in entries:
+        w, motion = rows.weight[k], rows.motion[rows.slot[k]]
+        inverse += w * w * _inverse_along(motion, normal)
+        along += w * dot(read_vector(motion[VELOCITY:]), normal)
+    if not inverse > 0.0:  # held already
+        return 0.0
+    lacking = row[LEAST] - along
+    if row[TWO_SIDED] == 0.0:
+        lacking = max(lacking, -before * inverse)  # λ >= 0
+    row[LAMBDA] = before + lacking / inverse
+    _push(rows, r, normal, lacking, inverse)
+    return abs(lacking) + (_rub(rows, r, normal) if row[FRICTION] > 0.0 and row[LAMBDA] > 0.0 else 0.0)
+
+
+@inline
+def _rub(rows: Rows, r: int, normal: Vec) -> float:
+    """Let friction take what slides, as far as the cone allows; return the change of velocity [mm/ms]."""
+    row = rows.row[r]
+    sliding = Vec(0.0, 0.0, 0.0)
+    for k in range(rows.start[r], rows.start[r + 1]):
+        sliding = sliding + rows.weight[k] * read_vector(rows.motion[rows.slot[k]][VELOCITY:])
+    sliding = sliding - dot(sliding, normal) * normal
+    speed = np.sqrt(dot(sliding, sliding))
+    if speed == 0.0:
+        return 0.0
+    direction, inverse = (1.0 / speed) * sliding, 0.0
+    for k in range(rows.start[r], rows.start[r + 1]):
+        w = rows.weight[k]
+        inverse += w * w * _inverse_along(rows.motion[rows.slot[k]], direction)
+    if not inverse > 0.0:
+        return 0.0
+    before = read_vector(row[TANGENTIAL:])
+    wanted = before - (1.0 / inverse) * sliding
+    size, most = np.sqrt(dot(wanted, wanted)), row[FRICTION] * row[LAMBDA]
+    if size <= most:
+        write_vector(row[TANGENTIAL:], wanted)
+        _push(rows, r, sliding, -1.0, inverse)
+        return speed
+    now = (most / size) * wanted
+    write_vector(row[TANGENTIAL:], now)
+    _push(rows, r, inverse * (now - before), 1.0, inverse)
+    return inverse * np.sqrt(dot(now - before, now - before))
+
+
+@inline
+def _push(rows: Rows, r: int, direction: Vec, change: float, inverse: float) -> None:
+    """Let the row's velocity have ``change`` along a direction: what a mass of 1/``inverse`` would.
+
+    The masses' ratio comes first, so that a lone node that is stopped stands still to the last bit.
+    """
+    for k in range(rows.start[r], rows.start[r + 1]):
+        w, motion = rows.weight[k], rows.motion[rows.slot[k]]
+        for a in range(3):
+            part = direction.x if a == 0 else direction.y if a == 1 else direction.z
+            motion[VELOCITY + a] += (w * motion[INVERSE + a] / inverse) * (part * change)
+
+
+@inline
+def _inverse_along(motion: Array, n: Vec) -> float:
+    """Return n · M⁻¹ n of a slot [1/g]."""
+    return motion[INVERSE] * n.x * n.x + motion[INVERSE + 1] * n.y * n.y + motion[INVERSE + 2] * n.z * n.z
+
+
+@inline
+def _account(rows: Rows, r: int, reactions: Array) -> None:
+    """Add what a row did to its nodes.
+
+    Works are taken with the mean of the velocities before and after all impulses of this part of a step, as the forces'
+    own are: what stays on a wall costs nothing. Of a node that is stopped, the normal work takes in what its force did
+    to it at once.
+    """
+    row = rows.row[r]
+    normal, tangential = read_vector(row[NORMAL:]), read_vector(row[TANGENTIAL:])
+    for k in range(rows.start[r], rows.start[r + 1]):
+        w, motion = rows.weight[k], rows.motion[rows.slot[k]]
+        mean = 0.5 * (read_vector(motion[VELOCITY:]) + read_vector(motion[BEFORE:]))
+        impulse = (w * row[LAMBDA]) * normal + w * tangential
+        reactions[0] += impulse.x
+        reactions[1] += impulse.y
+        reactions[2] += impulse.z
+        along = w * row[LAMBDA]
+        if row[LAMBDA] != 0.0:
+            forced = dot(read_vector(motion[TRIAL:]) - read_vector(motion[BEFORE:]), normal)
+            along += forced / _inverse_along(motion, normal)
+        reactions[NORMAL_WORK] += along * dot(mean, normal)
+        reactions[FRICTION_WORK] += w * dot(tangential, mean)

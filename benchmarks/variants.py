@@ -109,7 +109,7 @@ def rollers() -> None:
 
 def held(cells: int, choices: Choices) -> float:
     """Return the relative error of the frequency of sin(kz) between rollers at both ends, elastic."""
-    k, ends = np.pi / LENGTH, (columns.Symmetry(2, 0.0), columns.Symmetry(2, LENGTH))
+    k, ends = np.pi / LENGTH, (columns.symmetry_plane(2, 0.0), columns.symmetry_plane(2, LENGTH))
     method = columns.column(cells, columns.ELASTIC, ends, lambda z: SPEED * np.sin(k * z), **choices)
     mode, dt, found = np.sin(k * columns.layers(method.body.position[:, 2])), method.stable_step(), list[float]()
     for _ in range(int(1.8 * cells / columns.COURANT)):
@@ -141,7 +141,7 @@ def front() -> None:
 def wave(cells: int, decay: float, time: float, choices: Choices) -> tuple[str, ...]:
     """Return the mean error of velocity, that of the impulse in rho v0 h, and how far the front is ahead in cells."""
     solid, h = laplace.confined(*CONFINED, decay), LENGTH / cells
-    ends = columns.RigidWall(0.0, 0.0)
+    ends = columns.wall(0.0, 0.0)
     method, velocity = started(cells, viscoelastic(decay), (ends,), lambda z: np.full_like(z, -SPEED), choices)
     tl = "of" in choices
     x = lagrangian.levels(method, method.reference[:, 2]) if tl else columns.layers(method.body.position[:, 2])

@@ -169,7 +169,7 @@ MUTATIONS = [
     # --- points ---
     Mutation(
         "force-of-the-undeformed-volume", "methods/mpm/mapping.py",
-        "size = points.jacobian[p] * points.volume[p]", "size = points.volume[p]",
+        "size = points.shared.jacobian[p] * points.volume[p]", "size = points.volume[p]",
         "verification/test_mpm_manufactured.py -k 'lags and quadratic'",
     ),
     Mutation(

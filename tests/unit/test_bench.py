@@ -23,7 +23,7 @@ from viscopoint.model.method import Method
 
 TINY = [Work(*variant, PAPER_LAW, "3k") for variant in VARIANTS]
 # the body at the start, and what only the foot's nodes on the wall ask for
-SELDOM = ("body.position", "body.volume", "body.cells", "reference", "nodes.above")
+SELDOM = ("body.position", "body.volume", "body.cells", "reference", "nodes.partner")
 
 
 def call(*words: str | Path) -> tuple[int, str, str]:
@@ -73,7 +73,7 @@ def test_passes_name_arrays_that_exist_and_miss_none_with_a_row_for_each_part(bu
     arrays = arrays_of(method)
     named = {name for one in passes_of(work) for name in f"{one.reads} {one.writes}".split()}
     assert named <= arrays.keys()
-    fewest = min(len(method.positions()), len(arrays.get("elements.alive", method.positions()))) // 2
+    fewest = min(len(method.positions()), len(arrays.get("elements.shared.alive", method.positions()))) // 2
     long = {name for name, array in arrays.items() if len(array) >= fewest and array.size}
     hourglass = {"elements.hourglass_work"} if work.variant == "selective" else set[str]()  # it has none
     surface = {name for name in long if name.startswith("body.surface")}
@@ -83,7 +83,7 @@ def test_passes_name_arrays_that_exist_and_miss_none_with_a_row_for_each_part(bu
 def test_bytes_of_a_step_are_those_of_the_arrays_that_passes_name():
     work = next(work for work in TINY if work.name.startswith("fem selective"))
     method = build(case_of(work)).method
-    elements, nodes = len(arrays_of(method)["elements.alive"]), len(method.positions())
+    elements, nodes = len(arrays_of(method)["elements.shared.alive"]), len(method.positions())
     law = 8 * (1 + 8 * 6 + 8 * 6 + 8 + 8 + 1 + 1)  # J; stress, arm's stress and two losses of each point; viscosity
     answer = elements * (8 + 1 + 8 * 4 + 8 * 8 + 2 * law) + nodes * (3 + 1) * 24  # order, alive, corners, volumes
     set_off = nodes * (3 * 24 + 8 + 1 + 3 * 24 + 1)  # position, velocity, force; mass, fixed, pressed

@@ -7,10 +7,10 @@ import viscopoint as vp
 from viscopoint.case.tables import Guards
 from viscopoint.model.energy_balance import Row
 from viscopoint.model.guards import GuardError, check_row, check_step
-from viscopoint.model.method import Advice, Totals
+from viscopoint.model.method import FailureHints, Totals
 
 METHOD: Any = SimpleNamespace(
-    advice=Advice._make(["because"] * 6 + ["points lost"]), weakest=lambda: "element 7 is thin"
+    advice=FailureHints._make(["because"] * 6 + ["points lost"]), weakest=lambda: "element 7 is thin"
 )
 START: Any = Totals.of_flat([100.0, *[0.0] * 14, 1.0])
 ROW = Row._make([0] * len(Row._fields))._replace(time=0.0123, numerical=1.0)

@@ -50,7 +50,7 @@ from viscopoint.materials.elastic import Elastic
 from viscopoint.methods.mpm.stress import sum_points
 from viscopoint.methods.mpm.points import at_rest
 points = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
-points.jacobian[:] = 0.9
+points.shared.jacobian[:] = 0.9
 sums = np.zeros((64, 9))
 sum_points(points, LAW, (), sums)
 print(sums[:, 1].sum(), sum(sum_points.stats.cache_hits.values()))

@@ -16,9 +16,8 @@ from columns import COURANT, LENGTH, viscoelastic
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import Interaction, rigid_wall, symmetry_plane
 from viscopoint.kernels.arrays import Real
-from viscopoint.materials import step_factors
 from viscopoint.methods.fem.elements import Element
 from viscopoint.methods.fem.elements.one_point import OnePoint
 from viscopoint.methods.fem.elements.selective import Selective
@@ -31,14 +30,14 @@ from viscopoint.model.method import Totals
 from viscopoint.model.viscosity import BulkViscosity
 
 Array = NDArray[np.float64]
-Boundaries = tuple[RigidWall | Symmetry, ...]
+Boundaries = tuple[Interaction, ...]
 VISCOUS, STIFF, SELECTIVE = OnePoint(ViscousControl()), OnePoint(StiffnessControl()), Selective()
 ELEMENTS = {"viscous": VISCOUS, "stiffness": STIFF, "selective": SELECTIVE}
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
 ELASTIC = viscoelastic(0.0)  # an arm that never relaxes: the same kernels serve all tests
 DISPERSION = (1 - COURANT**2) / 24
 EPS = np.finfo(float).eps
-ON_WALL = (RigidWall(0.0, 0.0),)
+ON_WALL = (rigid_wall(0.0, 0.0),)
 
 
 def brick(size: tuple[float, ...], cells: tuple[int, ...], shake: float = 0.0, foot: float = 0.0) -> Body:
@@ -110,7 +109,7 @@ def column(
 ) -> FiniteElementMethod:
     """Return such a row of cubes between rollers on its four sides: one-dimensional."""
     half = 0.5 * LENGTH / cells
-    rollers = [Symmetry(axis, place) for axis in (0, 1) for place in (-half, half)]
+    rollers = [symmetry_plane(axis, place) for axis in (0, 1) for place in (-half, half)]
     return bar(cells, element, law, (*boundaries, *rollers), velocity, courant)
 
 
@@ -135,11 +134,7 @@ def answer(method: FiniteElementMethod, velocity: Array, dt: float) -> Array:
     nodes.velocity[:] = velocity
     nodes.position[:] += dt * velocity
     nodes.force[:] = 0.0
-    factors = step_factors(method.law, dt)
-    method.element.answer(
-        nodes, method.elements, method.slabs, method.limits, method.law, factors, method.blank, method.sound,
-        method.viscosity, dt,
-    )  # fmt: skip
+    method.strain(dt)
     return nodes.force.copy()
 
 

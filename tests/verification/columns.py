@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import Interaction, rigid_wall, symmetry_plane
 from viscopoint.kernels.arrays import PRECISIONS, Real
 from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
@@ -73,7 +73,7 @@ def block(cell: float, x: int, y: int, z: int, per_cell: int = 2) -> Body:
 def column(
     cells: int,
     law: Any = ELASTIC,
-    ends: tuple[RigidWall | Symmetry, ...] = (RigidWall(0.0, 0.0),),
+    ends: tuple[Interaction, ...] = (rigid_wall(0.0, 0.0),),
     velocity: Callable[[Array], Array] = np.zeros_like,
     scheme: str = "musl",
     pic: float = 0.0,
@@ -88,7 +88,7 @@ def column(
     cell = LENGTH / cells
     body = block(cell, ACROSS, ACROSS, cells)
     side = ACROSS * cell
-    rollers = [Symmetry(axis, place) for axis in (0, 1) for place in (0.0, side)]
+    rollers = [symmetry_plane(axis, place) for axis in (0, 1) for place in (0.0, side)]
     choices = Discretisation(
         cell=cell,
         box=Box((0.0, 0.0, -4 * cell), (side, side, 2 * LENGTH)),
@@ -108,7 +108,7 @@ def column(
 def rod(
     law: Any = None,
     velocity: Any = (0.0, 0.0, -100.0),
-    walls: tuple[RigidWall | Symmetry, ...] = (),
+    walls: tuple[Interaction, ...] = (),
     *,
     lift: float = 0.0,
     cell: float = CELL,

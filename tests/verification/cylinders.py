@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import j0, j1
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import Interaction
 from viscopoint.methods.mpm.contacts import CONTACTS
 from viscopoint.methods.mpm.fills.meridian import boxes
 from viscopoint.methods.mpm.grid import Box, HalfPlane
@@ -30,7 +30,7 @@ from viscopoint.model.body import Body
 from viscopoint.model.viscosity import BulkViscosity
 
 Array = NDArray[np.float64]
-Boundaries = tuple[RigidWall | Symmetry, ...]
+Boundaries = tuple[Interaction, ...]
 Motion = Callable[[Array], Array]
 RADIUS = 2.0  # mm
 MODULUS = BULK + 4 * SHEAR_SHORT / 3

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from columns import Array
 
-from viscopoint.interactions.planes import Symmetry
+from viscopoint.interactions.planes import symmetry_plane
 from viscopoint.materials.elastic import Elastic
 from viscopoint.methods.mpm.contacts.nodes import Nodes
 from viscopoint.methods.mpm.fills import FILLS
@@ -54,7 +54,7 @@ def discs(
     )  # fmt: skip
     way = np.where(np.arange(len(position)) < len(first), SPEED, -SPEED)
     velocity: Array = np.outer(way, [1.0, 1.0, 0.0])
-    return MaterialPointMethod(body, LAW, (Symmetry(2, 0.0), Symmetry(2, cell)), choices, velocity)
+    return MaterialPointMethod(body, LAW, (symmetry_plane(2, 0.0), symmetry_plane(2, cell)), choices, velocity)
 
 
 class Collision(NamedTuple):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from columns import COURANT, LENGTH, Array, block, viscoelastic
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import Interaction, rigid_wall, symmetry_plane
 from viscopoint.kernels.arrays import Real
 from viscopoint.methods.mpm.fills import FILLS
 from viscopoint.methods.mpm.shapes import SHAPES
@@ -27,8 +27,8 @@ DISPERSION = (1 - COURANT**2) / 24
 ELASTIC = viscoelastic(0.0)  # an arm that never relaxes: the same kernels serve all tests
 EPS = np.finfo(float).eps
 ROUNDING = 100 * EPS
-Boundaries = tuple[RigidWall | Symmetry, ...]
-ON_WALL: Boundaries = (RigidWall(0.0, 0.0),)
+Boundaries = tuple[Interaction, ...]
+ON_WALL: Boundaries = (rigid_wall(0.0, 0.0),)
 Motion = Callable[[Array], Array]
 each_volume = pytest.mark.parametrize("volume", sorted(VOLUMES))
 
@@ -73,9 +73,9 @@ def column(
 ) -> TotalLagrangianMethod:  # fmt: skip
     """Return a row of cells along z between rollers, its foot on z = 0."""
     cell = LENGTH / cells
-    rollers = [Symmetry(axis, place) for axis in (0, 1) for place in (0.0, cell)]
+    rollers = [symmetry_plane(axis, place) for axis in (0, 1) for place in (0.0, cell)]
     method = brick((1, 1, cells), law, (*ends, *rollers), motion, cell=cell, volume=volume)
-    method.safety = COURANT * cell / method.sound / float(method.critical[0])
+    method.time_step_factor = COURANT * cell / method.sound / float(method.critical[0])
     return method
 
 
@@ -116,8 +116,7 @@ def moved(method: TotalLagrangianMethod, velocity: Array, dt: float) -> Array:
     """Move the nodes for a step at a velocity, whatever the forces; return the forces that the points then exert."""
     method.nodes.velocity[:] = velocity
     method.nodes.position[:] += dt * velocity
-    method._extend()
-    method._answer(dt)
+    method.strain(dt)
     return method.nodes.force.copy()
 
 

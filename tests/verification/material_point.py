@@ -6,17 +6,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscopoint.kernels.tensors import Matrix, Sym
-from viscopoint.materials import update_stress
+from viscopoint.materials import Increment, update_stress
+from viscopoint.materials.block import IDENTITY as STILL
+from viscopoint.materials.block import MaterialBlock
 from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
-from viscopoint.materials.plastic import ElasticPlastic, ViscoelasticPlastic
-from viscopoint.model.kinematics import increments
+from viscopoint.materials.plastic import Plastic
+from viscopoint.model.kinematics import at_mid_step, strain_and_rotation, volume_ratio
 
-STILL = Matrix(1, 0, 0, 0, 1, 0, 0, 0, 1)
 ELASTIC = Elastic(density=1e-3, bulk=550.0, shear=140.0)
-PAPER = LinearViscoelastic(density=1e-3, bulk=550.0, shear_long=5.0, shear_arm=135.0, decay=65.0)
-PLASTIC = ElasticPlastic(*ELASTIC, yield_stress=8.0, hardening=20.0)
-POLYMER = ViscoelasticPlastic(*PAPER, yield_stress=8.0, hardening=20.0)
+PAPER = LinearViscoelastic(density=1e-3, bulk=550.0, shear_long=5.0, shear_maxwell=135.0, decay=65.0)
+PLASTIC = Plastic(ELASTIC, yield_stress=8.0, hardening=20.0)
+POLYMER = Plastic(PAPER, yield_stress=8.0, hardening=20.0)
 LAWS = {"elastic": ELASTIC, "viscoelastic": PAPER, "elastic-plastic": PLASTIC, "viscoelastic-plastic": POLYMER}
 
 
@@ -28,19 +29,26 @@ class State(NamedTuple):
 
 
 def at_rest(law: Any) -> State:
-    return State(Sym(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0,) * sum(count for _, count in law.history_fields))
+    return State(Sym(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), tuple(MaterialBlock(law).initial_history()))
 
 
 def strained(law: Any, factors: Any, state: State, strain: Sym, turn: Matrix = STILL, ratio: float = 1.0) -> State:
     """Advance by a strain increment, a rotation and a volume ratio that need not come from one motion."""
     jacobian = state.jacobian * ratio
-    stress, history, loss = update_stress(law, factors, strain, turn, jacobian, state.stress, state.history)
-    return State(stress, history, jacobian, state.dissipated + 0.5 * (state.jacobian + jacobian) * loss)
+    increment = Increment(0.0, strain, turn, jacobian, STILL)  # these laws know of the step by their factors alone
+    now = update_stress(law, factors, increment, state.stress, state.history)
+    dissipated = state.dissipated + 0.5 * (state.jacobian + jacobian) * now.dissipated
+    return State(now.stress, now.history, jacobian, dissipated)
 
 
 def moved(law: Any, factors: Any, state: State, displacement_gradient: np.ndarray) -> State:
     """Advance by a step's motion, F <- (I + A) F, as the methods do."""
     return strained(law, factors, state, *increments(matrix(displacement_gradient)))
+
+
+def increments(gradient: Matrix) -> tuple[Sym, Matrix, float]:
+    """Return strain, rotation and volume ratio of a step's displacement gradient, taken at its start."""
+    return *strain_and_rotation(at_mid_step(gradient)), volume_ratio(gradient)
 
 
 def matrix(a: np.ndarray) -> Matrix:

@@ -14,7 +14,7 @@ from material_point import orders
 from numpy.testing import assert_allclose
 from shocks import Shock
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import Interaction, rigid_wall, symmetry_plane
 from viscopoint.methods.fem import hexahedron, quadrilateral
 from viscopoint.methods.mpm.volumes import VOLUMES as MPM_VOLUMES
 from viscopoint.methods.tlmpm.volumes import VOLUMES
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.usefixtures("one_thread")
 MODULUS = ELASTIC.bulk + 4 / 3 * ELASTIC.shear
 SOUND = float(np.sqrt(MODULUS / DENSITY))
 Motion = Callable[[Array], Array]
-Ends = tuple[RigidWall | Symmetry, ...]
+Ends = tuple[Interaction, ...]
 
 
 class Column(NamedTuple):
@@ -38,7 +38,7 @@ class Column(NamedTuple):
 def elements(name: str, cells: int, ends: Ends, speed: Motion, viscosity: tuple[float, float]) -> Column:
     half = 0.5 * LENGTH / cells
     body = bricks.brick((2 * half, 2 * half, LENGTH), (1, 1, cells))
-    sides = [Symmetry(axis, place) for axis in (0, 1) for place in (-half, half)]
+    sides = [symmetry_plane(axis, place) for axis in (0, 1) for place in (-half, half)]
     velocity = bricks.upward(speed)(body.position)
     method = bricks.fem(body, bricks.ELEMENTS[name], ELASTIC, (*ends, *sides), velocity, viscosity=viscosity)
     return Column(method, lambda: bricks.layers(method, method.nodes.velocity[:, 2]), bricks.area(method))
@@ -48,7 +48,7 @@ def disc_elements(name: str, cells: int, ends: Ends, speed: Motion, viscosity: t
     radius = LENGTH / cells
     body = rings.section(radius, LENGTH, 1, cells)
     velocity = bricks.upward(speed)(body.position)
-    boundaries = (*ends, Symmetry(0, radius))
+    boundaries = (*ends, symmetry_plane(0, radius))
     method = rings.fem(body, rings.ELEMENTS[name], ELASTIC, boundaries, velocity, 0.5, viscosity)
     on_axis = np.flatnonzero(body.position[:, 0] == 0.0)
     on_axis = on_axis[np.argsort(body.position[on_axis, 2])]
@@ -57,7 +57,7 @@ def disc_elements(name: str, cells: int, ends: Ends, speed: Motion, viscosity: t
 
 def reference_points(name: str, cells: int, ends: Ends, speed: Motion, viscosity: tuple[float, float]) -> Column:
     cell = LENGTH / cells
-    sides = [Symmetry(axis, place) for axis in (0, 1) for place in (0.0, cell)]
+    sides = [symmetry_plane(axis, place) for axis in (0, 1) for place in (0.0, cell)]
     motion = lagrangian.upward(speed)
     method = lagrangian.brick(
         (1, 1, cells), ELASTIC, (*ends, *sides), motion, cell=cell, volume=name, viscosity=viscosity, safety=0.5
@@ -92,7 +92,7 @@ def test_quadratic_viscosity_spreads_a_steady_shock_as_far_as_its_size_says(kind
     """Steepness and loss of a shock of J = 0.50: the rest of the Rayleigh line and of Rankine and Hugoniot's energy."""
     cells, speed, quadratic = 120, 500.0, 15.0
     make, name = LAGRANGIAN[kind]
-    column = make(name, cells, (RigidWall(0.0, 0.0),), lambda z: np.full_like(z, -speed), (0.0, quadratic))
+    column = make(name, cells, (rigid_wall(0.0, 0.0),), lambda z: np.full_like(z, -speed), (0.0, quadratic))
     shock = Shock(DENSITY, MODULUS, speed, LENGTH / cells)
     found, lost = [], []
     run(column.method, 0.5 * LENGTH / shock.front)
@@ -114,7 +114,7 @@ def test_viscosity_takes_from_a_standing_wave_what_its_size_says(kind: str, line
     """
     share = 1e-3  # v0 / c
     make, name = EVERY[kind]
-    ends = (Symmetry(2, 0.0), Symmetry(2, LENGTH))
+    ends = (symmetry_plane(2, 0.0), symmetry_plane(2, LENGTH))
 
     def swung(cells: int, viscosity: tuple[float, float]) -> tuple[float, float, float]:
         column = make(name, cells, ends, lambda z: share * SOUND * np.sin(np.pi * z / LENGTH), viscosity)
@@ -227,7 +227,7 @@ def test_viscosity_sees_the_rate_of_the_volume_that_the_law_sees(kind: str) -> N
         body.moved(first, 1.0)
         before = state.jacobian.copy()
         body.moved(then, dt)
-        after, law = state.jacobian, body.method.law
+        after, law = state.jacobian, body.method.material
         sound = np.sqrt(law.instantaneous_modulus / law.density * after)
         strain = -dt * state.viscous_pressure / (law.density / after * lengths(kind, body) * sound)
         assert strain.max() < 0.0

@@ -67,7 +67,7 @@ def impact(decay: float, cells: int) -> dict[float, State]:
     for time in TIMES:
         advance(method, time - now)
         now, points = time, method.points
-        measured = [layers(field[:, 2]) for field in (points.position, points.velocity, points.stress)]
+        measured = [layers(field[:, 2]) for field in (points.position, points.velocity, points.material.stress)]
         impulse = float(method.totals().impulse[2]) / area(method)
         states[time] = State(start, measured[0] - start, measured[1], measured[2], impulse)
     return states

@@ -9,14 +9,14 @@ import pytest
 from columns import ELASTIC, Array, one_thread  # noqa: F401
 from lagrangian import ROUNDING, steps
 from numpy.testing import assert_allclose
-
-from viscopoint.interactions.planes import TALLY, RigidWall
 from viscopoint.methods.fem.motion import set_off
+
+from viscopoint.interactions.planes import rigid_wall
 from viscopoint.methods.fem.state import CHUNKS
 from viscopoint.methods.tlmpm import motion
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-WALL, DT = RigidWall(0.0, 0.0), 1e-4
+WALL, DT = rigid_wall(0.0, 0.0), 1e-4
 
 
 def disturbed(nodes: Any) -> None:
@@ -48,7 +48,7 @@ def test_wall_takes_all_that_nodes_beside_the_foot_lose() -> None:
     method = lagrangian.brick((2, 2, 2), ELASTIC, (WALL,))
     nodes, tally = method.nodes, np.zeros((CHUNKS, TALLY))
     disturbed(nodes)
-    nodes.above[:] = -1
+    nodes.partner[:] = -1
     stopped = nodes.position[:, 2] == 0.0
     before = upright_energy(nodes, stopped)
     motion.set_off(nodes, WALL, DT, tally)
@@ -61,8 +61,8 @@ def test_a_foot_that_touches_unevenly_hands_all_its_momentum_up() -> None:
     nodes, tally = method.nodes, np.zeros((CHUNKS, TALLY))
     disturbed(nodes)
     nodes.force[:] = 0.0
-    foot = nodes.above >= 0
-    up = nodes.above[foot]
+    foot = nodes.partner >= 0
+    up = nodes.partner[foot]
     m, both = nodes.mass[foot], nodes.mass[foot] + nodes.mass[up]
     apart = nodes.velocity[foot, 2] - nodes.velocity[up, 2]
     common = nodes.velocity[up, 2] + m / both * apart

@@ -12,7 +12,7 @@ from columns import Array, one_thread  # noqa: F401
 from discs import CLOSING, END, GAP, LAW, RADIUS, SPEED, TOUCH, collide, discs, halves, rebound
 from numpy.testing import assert_allclose
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.methods.fem.rod import rod_mesh
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.shapes import along, stencil
@@ -99,7 +99,7 @@ def half_disc(size: float) -> tuple[float, float, float]:
     x, y, z = body.position.T
     body = body._replace(position=np.column_stack([x, -z, y + RADIUS + GAP / 2]))
     ends = body.position[:, 1].min(), body.position[:, 1].max()
-    walls: Any = (RigidWall(0.0, 0.0), *(Symmetry(1, float(end)) for end in ends))
+    walls: Any = (rigid_wall(0.0, 0.0), *(symmetry_plane(1, float(end)) for end in ends))
     method = fem(body, SELECTIVE, LAW, walls, (0.0, 0.0, -CLOSING / 2))
     start, now, touched = method.totals(), 0.0, np.inf
     while now < END:

@@ -26,7 +26,7 @@ from columns import LENGTH, advance, one_thread, order, viscoelastic  # noqa: F4
 from fronts import HALF
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.kernels.arrays import Real
 from viscopoint.methods.fem.elements import Element
 from viscopoint.methods.fem.method import FiniteElementMethod
@@ -63,7 +63,7 @@ def spin(method: FiniteElementMethod) -> Array:
 def impact(
     element: Element, friction: float = 0.1, body: Body = ROD, law: Any = RELAXING, real: Real = np.float64
 ) -> FiniteElementMethod:
-    return fem(body, element, law, (RigidWall(0.0, friction),), (20.0, 5.0, -100.0), viscosity=PULSE, real=real)
+    return fem(body, element, law, (rigid_wall(0.0, friction),), (20.0, 5.0, -100.0), viscosity=PULSE, real=real)
 
 
 # --- momentum ---
@@ -79,7 +79,7 @@ def test_linear_and_angular_momentum_are_kept_without_a_wall(element: Element) -
     start, turning = method.totals(), spin(method)
     steps(method, count)
     scale = count * ROUNDING * start.mass * np.abs(method.nodes.velocity).max()
-    assert np.abs(method.elements.stress).max() > 0.1  # MPa: forces there were
+    assert np.abs(method.elements.material.stress).max() > 0.1  # MPa: forces there were
     assert_array_equal(method.totals().impulse, 0.0)
     assert_allclose(method.totals().momentum, start.momentum, rtol=0, atol=scale)
     assert_allclose(spin(method), turning, rtol=0, atol=scale * 6.0)
@@ -110,7 +110,7 @@ def test_quarter_between_mirrors_moves_as_the_whole(element: Element) -> None:
     whole = fem(brick(size, (4, 4, 3), foot=foot), element, RELAXING, ON_WALL, velocity)
     quarter = brick((2.0, 2.0, 3.0), (2, 2, 3), foot=foot)
     quarter = quarter._replace(position=quarter.position + [1.0, 1.0, 0.0])
-    part = fem(quarter, element, RELAXING, (*ON_WALL, Symmetry(0, 0.0), Symmetry(1, 0.0)), velocity)
+    part = fem(quarter, element, RELAXING, (*ON_WALL, symmetry_plane(0, 0.0), symmetry_plane(1, 0.0)), velocity)
     start, dt = part.totals(), part.stable_step() / 2
     for _ in range(80):
         whole.advance(dt)
@@ -130,7 +130,7 @@ def test_quarter_between_mirrors_moves_as_the_whole(element: Element) -> None:
 def test_contact_is_made_exactly_when_the_foot_has_crossed_the_gap(element: Element) -> None:
     gap, speed, height = 0.0823, 40.0, -0.7
     body = brick((2.0, 2.0, 3.0), (2, 2, 3), foot=height + gap)
-    method = fem(body, element, ELASTIC, (RigidWall(height, 0.2),), (0.0, 0.0, -speed))
+    method = fem(body, element, ELASTIC, (rigid_wall(height, 0.2),), (0.0, 0.0, -speed))
     start, dt, foot = method.totals(), method.stable_step(), body.surface.ring[0]
     free = int(gap / speed / dt)
     assert free > 1
@@ -143,7 +143,7 @@ def test_contact_is_made_exactly_when_the_foot_has_crossed_the_gap(element: Elem
     assert_array_equal(method.nodes.velocity[foot, 2], 0.0)
     push, mass = float(method.totals().impulse[2]), method.nodes.mass[foot].sum()
     # what stops the foot, and half a step of the force of elements that are strained by less than v dt / h
-    assert mass * speed <= push < mass * speed + 0.5 * dt * 4.0 * method.law.instantaneous_modulus * speed * dt
+    assert mass * speed <= push < mass * speed + 0.5 * dt * 4.0 * method.material.instantaneous_modulus * speed * dt
     for _ in range(200):
         method.advance(dt)
         assert method.nodes.position[:, 2].min() >= height
@@ -155,7 +155,7 @@ def test_nodes_stand_on_the_wall_to_the_last_bit_and_none_passes_it(element: Ele
     # nodes come from far, compared with the height, which leaves their last bits to rounding
     body, height, pressed = brick((2.0, 2.0, 2.0), (2, 2, 2), foot=0.03), 1 / 3000, 0
     velocity = np.random.default_rng(6).normal(size=body.position.shape) * 20.0 - [0.0, 0.0, 50.0]
-    method = fem(body, element, RELAXING, (RigidWall(height, 0.1),), velocity)
+    method = fem(body, element, RELAXING, (rigid_wall(height, 0.1),), velocity)
     for _ in range(100):
         steps(method, 1)
         assert_array_equal(method.nodes.position[method.nodes.pressed > 0, 2], height)
@@ -203,7 +203,7 @@ def test_contact_takes_just_the_energy_of_the_foot_that_stops(element: Element) 
 @each_element
 def test_sliding_block_feels_coulomb_friction(element: Element) -> None:
     friction, speed = 0.2, 20.0
-    walls = (RigidWall(0.0, friction), Symmetry(1, -1.0), Symmetry(1, 1.0))
+    walls = (rigid_wall(0.0, friction), symmetry_plane(1, -1.0), symmetry_plane(1, 1.0))
     method = fem(brick((4.0, 2.0, 3.0), (4, 2, 3)), element, ELASTIC, walls, (speed, 0.0, -1.0))
     for _ in range(10):
         before = method.totals().impulse
@@ -219,7 +219,7 @@ def test_sliding_block_feels_coulomb_friction(element: Element) -> None:
 @each_element
 def test_slow_block_sticks_and_no_more(element: Element) -> None:
     slide, speed, dt = 0.1, 10.0, 1e-9
-    method = fem(brick((3.0, 3.0, 3.0), (3, 3, 3)), element, ELASTIC, (RigidWall(0.0, 0.5),), (slide, 0.0, -speed))
+    method = fem(brick((3.0, 3.0, 3.0), (3, 3, 3)), element, ELASTIC, (rigid_wall(0.0, 0.5),), (slide, 0.0, -speed))
     start = method.totals()
     method.advance(dt)
     foot = ELASTIC.density * 9.0 / 2  # half an element's height of it

@@ -24,12 +24,12 @@ from columns import one_thread, viscoelastic  # noqa: F401
 from material_point import at_rest, moved, square
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
+from viscopoint.methods.fem.hexahedron import ETA, XI, ZETA, Modes, corner_forces, modes, volume, volume_gradient
 
 from viscopoint.kernels.tensors import Vec
 from viscopoint.materials import step_factors
 from viscopoint.methods.fem.elements import Element
 from viscopoint.methods.fem.elements.one_point import OnePoint
-from viscopoint.methods.fem.hexahedron import ETA, XI, ZETA, Modes, corner_forces, modes, volume, volume_gradient
 from viscopoint.methods.fem.hourglass import StiffnessControl, ViscousControl
 from viscopoint.methods.fem.mesh import FACES
 from viscopoint.methods.fem.method import FiniteElementMethod
@@ -54,7 +54,7 @@ def gradients(count: int) -> Array:
 
 def tensors(method: FiniteElementMethod) -> Array:
     """Return the stresses of all points as 3 x 3 arrays."""
-    return method.elements.stress.reshape(-1, 6)[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
+    return method.elements.material.stress.reshape(-1, 6)[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
 
 
 # --- uniform strain ---
@@ -67,14 +67,14 @@ def test_patch_of_distorted_elements_has_the_stress_of_a_material_point(element:
     for number, gradient in enumerate(gradients(4), start=1):
         force = answer(method, method.nodes.position @ gradient.T / dt + [3.0, -2.0, 5.0], dt)
         state = moved(RELAXING, step_factors(RELAXING, dt), state, gradient)
-        found = method.elements.stress.reshape(-1, 6)
+        found = method.elements.material.stress.reshape(-1, 6)
         stress = [getattr(state.stress, name) for name in ("xx", "yy", "zz", "xy", "yz", "zx")]
         rounding = number * ROUNDING * MODULUS
         assert_allclose(found, np.broadcast_to(stress, found.shape), rtol=0, atol=rounding)
-        assert_allclose(method.elements.jacobian, state.jacobian, rtol=number * ROUNDING)
+        assert_allclose(method.elements.shared.jacobian, state.jacobian, rtol=number * ROUNDING)
         assert np.abs(force[~inner]).max() > 1.0  # N
         assert_allclose(force[inner], 0.0, atol=10 * rounding)  # on areas of about 1 mm^2 of eight elements
-    assert_allclose(method.elements.dissipated, state.dissipated, rtol=10 * ROUNDING)
+    assert_allclose(method.elements.material.dissipated, state.dissipated, rtol=10 * ROUNDING)
     assert_allclose(method.elements.hourglass_work, 0.0, atol=ROUNDING)
 
 
@@ -108,14 +108,16 @@ def prestressed(element: Element) -> FiniteElementMethod:
     method = fem(distorted(), element)
     answer(method, method.nodes.position @ gradients(1)[0].T, 1.0)
     if element is STIFF:
-        method.elements.memory[:, :3] = np.random.default_rng(2).normal(size=(len(method.elements.memory), 3))
+        method.elements.hourglass_force[:, :3] = np.random.default_rng(2).normal(
+            size=(len(method.elements.hourglass_force), 3)
+        )
     return method
 
 
 @each_element
 def test_stress_turns_with_a_rigid_body_through_many_turns(element: Element) -> None:
     method, steps = prestressed(element), 100
-    springs, stored = method.elements.memory.copy(), method.totals().stored
+    springs, stored = method.elements.hourglass_force.copy(), method.totals().stored
     stress = tensors(method)
     turn = Rotation.from_rotvec(1.2 * np.array([2.0, -1.0, 2.0]) / 3.0)  # 69 degrees a step, 19 turns in all
     for _ in range(steps):
@@ -131,7 +133,7 @@ def test_stress_turns_with_a_rigid_body_through_many_turns(element: Element) -> 
     assert_allclose(method.totals().stored, stored, rtol=rounding)
     if element is STIFF:  # forces of about 1 N on the modes turn with the element
         turned = springs[:, :3] @ whole.T
-        assert_allclose(method.elements.memory[:, :3], turned, rtol=0, atol=rounding * MODULUS)
+        assert_allclose(method.elements.hourglass_force[:, :3], turned, rtol=0, atol=rounding * MODULUS)
 
 
 @each_element
@@ -145,7 +147,7 @@ def test_free_flight_changes_nothing(element: Element) -> None:
     assert np.abs(flight).min() > 0.8  # of an element
     assert_allclose(method.nodes.velocity, np.broadcast_to(velocity, start.shape), rtol=0, atol=steps * ROUNDING * 858)
     assert_allclose(method.nodes.position, start + flight, rtol=0, atol=steps * ROUNDING * 5.0)
-    assert_allclose(method.elements.stress, 0.0, atol=steps * ROUNDING * MODULUS)
+    assert_allclose(method.elements.material.stress, 0.0, atol=steps * ROUNDING * MODULUS)
 
 
 # --- geometry ---
@@ -234,7 +236,7 @@ def test_viscous_control_resists_each_hourglass_mode_by_its_formula(mode: Array)
     expected = -16 * 0.1 * ELASTIC.density * np.sqrt(MODULUS / ELASTIC.density) * 4.0 * speed
     assert_allclose(mode @ force, expected, rtol=10 * dt)  # the element changes by v dt / l
     assert_allclose(force, np.outer(mode, expected) / 8, rtol=0, atol=10 * dt)
-    assert_allclose(method.elements.stress, 0.0, atol=MODULUS * dt)
+    assert_allclose(method.elements.material.stress, 0.0, atol=MODULUS * dt)
 
 
 @each_mode

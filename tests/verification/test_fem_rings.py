@@ -17,7 +17,7 @@ from rings import ELEMENTS, each_element, fem, outside, section
 from scipy.optimize import root_scalar
 from scipy.special import j0, j1
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.materials import step_factors
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 from viscopoint.methods.fem.elements import Element
@@ -48,15 +48,15 @@ def test_patch_of_distorted_rings_has_the_stress_of_a_material_point(element: El
         gradient = np.diag([wide, wide, high])
         force = answer(method, method.nodes.position @ gradient / dt + [0.0, 0.0, 5.0], dt)
         state = moved(RELAXING, step_factors(RELAXING, dt), state, gradient)
-        found = method.elements.stress.reshape(-1, 6)
+        found = method.elements.material.stress.reshape(-1, 6)
         stress = [getattr(state.stress, name) for name in ("xx", "yy", "zz", "xy", "yz", "zx")]
         rounding = number * ROUNDING * MODULUS
         assert_allclose(found, np.broadcast_to(stress, found.shape), rtol=0, atol=rounding)
-        assert_allclose(method.elements.jacobian, state.jacobian, rtol=number * ROUNDING)
+        assert_allclose(method.elements.shared.jacobian, state.jacobian, rtol=number * ROUNDING)
         assert np.abs(force[~inner]).max() > 1.0  # N
         assert_allclose(force[inner], 0.0, atol=100 * rounding)  # on rings of up to 2 pi 3 mm x 1 mm
         assert_array_equal(force[:, 1], 0.0)
-    assert_allclose(method.elements.dissipated, state.dissipated, rtol=10 * ROUNDING)
+    assert_allclose(method.elements.material.dissipated, state.dissipated, rtol=10 * ROUNDING)
     assert_allclose(method.elements.hourglass_work, 0.0, atol=10 * ROUNDING)
 
 
@@ -82,7 +82,7 @@ def breathing(element: Element, columns: int) -> float:
     radius, exact = 4.0, x * SOUND / 4.0
     body = section(radius, radius / columns, columns, 1)
     mode = np.outer(j1(x * body.position[:, 0] / radius), [1.0, 0.0, 0.0])
-    ends = (Symmetry(2, 0.0), Symmetry(2, radius / columns))
+    ends = (symmetry_plane(2, 0.0), symmetry_plane(2, radius / columns))
     method = fem(body, element, ELASTIC, ends, SLOW * mode, safety=0.8)
     weight = method.nodes.mass[:, None] * mode
     weight /= SLOW * (weight * mode).sum()
@@ -112,7 +112,11 @@ def test_column_of_rings_between_rollers_moves_as_one_of_cubes(name: str, decay:
     side = LENGTH / cells
     falling = np.array([0.0, 0.0, -speed])
     rings = fem(
-        section(2 * side, LENGTH, 2, cells), ELEMENTS[name], law, (RigidWall(0.0, 0.0), Symmetry(0, 2 * side)), falling
+        section(2 * side, LENGTH, 2, cells),
+        ELEMENTS[name],
+        law,
+        (rigid_wall(0.0, 0.0), symmetry_plane(0, 2 * side)),
+        falling,
     )
     cubes = bricks.column(cells, bricks.SELECTIVE, law, velocity=upward(lambda z: np.full_like(z, -speed)))
     steps, dt = 100, 0.02 / 100
@@ -138,7 +142,7 @@ def test_column_of_rings_between_rollers_moves_as_one_of_cubes(name: str, decay:
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_wall_impulse_is_the_change_of_momentum_along_the_axis(element: Element, friction: float) -> None:
     body, count = section_mesh(2.0, 6.0, 0.5), 200
-    method = fem(body, element, RELAXING, (RigidWall(0.0, friction),), (0.0, 0.0, -100.0), viscosity=PULSE)
+    method = fem(body, element, RELAXING, (rigid_wall(0.0, friction),), (0.0, 0.0, -100.0), viscosity=PULSE)
     start = method.totals()
     for _ in range(count):
         method.advance(method.stable_step())

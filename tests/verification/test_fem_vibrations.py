@@ -32,7 +32,7 @@ from columns import (
 from laplace import StandardSolid
 from numpy.testing import assert_allclose
 
-from viscopoint.interactions.planes import Symmetry
+from viscopoint.interactions.planes import symmetry_plane
 from viscopoint.methods.fem.method import FiniteElementMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
@@ -60,7 +60,7 @@ def ringing(make: Any, name: str, decay: float, cells: int, waves: int = 1) -> F
         swell = -lateral * k * np.cos(k * z)
         return SPEED * np.column_stack([swell * x, swell * y, np.sin(k * z)])
 
-    return make(cells, ELEMENTS[name], viscoelastic(decay), (Symmetry(2, 0.0),), motion)
+    return make(cells, ELEMENTS[name], viscoelastic(decay), (symmetry_plane(2, 0.0),), motion)
 
 
 def history(method: FiniteElementMethod, waves: int, samples: int, every: int) -> tuple[Array, Array]:

@@ -24,7 +24,7 @@ def step_work(law: LinearViscoelastic, before: State, after: State, strain: Sym,
     the spring's stress is linear in time.
     """
     start, end = square(before.history), square(after.history)
-    arm = (2 * law.shear_arm * square(strain) - (end - start)) / x
+    arm = (2 * law.shear_maxwell * square(strain) - (end - start)) / x
     spring = (square(before.stress) - start + square(after.stress) - end) / 2
     return float(np.sum((arm + spring) * square(strain)))
 
@@ -49,11 +49,11 @@ def test_step_dissipates_what_the_dashpot_does(x: float) -> None:
     with mp.workdps(30):
         ss = mpf(contract(start.stress, start.stress))
         se, ee = mpf(contract(start.stress, strain)), mpf(contract(strain, strain))
-        steady = 2 * mpf(PAPER.shear_arm) / mpf(x)  # the arm's stress per strain of a step, if it went on for ever
+        steady = 2 * mpf(PAPER.shear_maxwell) / mpf(x)  # the arm's stress per strain of a step, if it went on for ever
 
         def power(t: mpf) -> mpf:
             left, gained = mp.exp(-t), steady * (1 - mp.exp(-t))
-            return (left**2 * ss + 2 * left * gained * se + gained**2 * ee) / (2 * mpf(PAPER.shear_arm))
+            return (left**2 * ss + 2 * left * gained * se + gained**2 * ee) / (2 * mpf(PAPER.shear_maxwell))
 
         exact: Any = mp.quad(power, [0, min(x, 1) / 2, min(x, 3), min(x, 20), x])  # s : s/(2 G) d(beta t)
     loss = strained(PAPER, step_factors(PAPER, dt), start, strain).dissipated

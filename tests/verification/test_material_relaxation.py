@@ -10,7 +10,7 @@ from viscopoint.kernels.tensors import Sym, contract
 from viscopoint.materials import step_factors, stored_energy
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 
-G_LONG, G_ARM, BETA = PAPER.shear_long, PAPER.shear_arm, PAPER.decay
+G_LONG, G_ARM, BETA = PAPER.shear_long, PAPER.shear_maxwell, PAPER.decay
 G_SHORT = G_LONG + G_ARM
 SHAPE = Sym(0.004, -0.003, -0.001, 0.002, -0.005, 0.003)  # traceless
 STILL = Sym(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -135,7 +135,7 @@ def same_path(one: Any, other: Any, dt: float, motions: np.ndarray = MOTIONS) ->
     [
         (PAPER._replace(decay=1e-14), G_SHORT),  # so slow that nothing relaxes within rounding
         (PAPER._replace(decay=0.0), G_SHORT),
-        (PAPER._replace(shear_arm=0.0), G_LONG),
+        (PAPER._replace(shear_maxwell=0.0), G_LONG),
     ],
     ids=["slow", "never", "no arm"],
 )

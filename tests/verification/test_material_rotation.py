@@ -40,7 +40,7 @@ SPIN = 20.0  # shear rate, 1/ms
 
 def jaumann_shear(t: float) -> np.ndarray:
     """Return tau and sigma_xx: eq. 10 is linear for a constant spin; integrated in closed form from rest."""
-    g, beta, long, arm = SPIN, PAPER.decay, PAPER.shear_long, PAPER.shear_arm
+    g, beta, long, arm = SPIN, PAPER.decay, PAPER.shear_long, PAPER.shear_maxwell
     size, left, sine, cosine = beta**2 + g**2, math.exp(-beta * t), math.sin(g * t), math.cos(g * t)
     tau = long * sine + arm * g / size * (beta * (1 - left * cosine) + g * left * sine)
     normal = long * (1 - cosine) + arm * g / size * (g * (1 - left * cosine) - beta * left * sine)
@@ -67,7 +67,7 @@ def test_simple_shear_converges_to_the_jaumann_solution(end: float) -> None:
     # Aitken's limit of three runs removes the leading power of the step; what is left of a first-order error
     # is of the order of the square of the angle per step, and smaller still for a higher order
     limit = four - (four - two) ** 2 / (four - 2 * two + one)
-    np.testing.assert_allclose(limit, jaumann_shear(end), atol=PAPER.shear_arm * (SPIN * end / 800) ** 2)
+    np.testing.assert_allclose(limit, jaumann_shear(end), atol=PAPER.shear_maxwell * (SPIN * end / 800) ** 2)
 
 
 def test_simple_shear_follows_the_jaumann_solution_to_second_order() -> None:

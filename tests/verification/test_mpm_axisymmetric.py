@@ -9,7 +9,7 @@ from cylinders import RADIUS, ROOT, SOUND, Array, breathing, frequency, j1, ring
 from lagrangian import missing
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.kernels.tensors import Sym
 from viscopoint.methods.mpm.fills import MERIDIANS
 from viscopoint.methods.mpm.method import MaterialPointMethod
@@ -70,7 +70,7 @@ def test_uniform_stress_pulls_at_no_ring_of_nodes_inside(shape: str) -> None:
     r, z = places(method)
     inside = (r >= 0.0) & (r < cells - PAIR - 0.5) & (z > PAIR + 0.5) & (z < 2 * cells - PAIR - 0.5)
     mass = np.where(grid.momentum[:, 3] > 0.0, grid.momentum[:, 3], 1.0)
-    pulled = grid.change[:, :3] / mass[:, None] * method.law.density * grid.cell  # per stress
+    pulled = grid.change[:, :3] / mass[:, None] * method.material.density * grid.cell  # per stress
     pulled[r == 0.0, 0] = 0.0
     splines, beside = shape in ("cubic", "quadratic"), (r == 1.0) & inside
     assert_allclose(pulled[inside & ~(beside & splines)], 0.0, atol=10 * ROUNDING)
@@ -89,7 +89,7 @@ def test_cylinder_breathes_at_its_frequency_to_second_order() -> None:
     errors = []
     for cells in (8, 16):
         cell = RADIUS / cells
-        method = rings(cells, 4, boundaries=(Symmetry(2, 0.0), Symmetry(2, 2 * cell)), motion=breathing)
+        method = rings(cells, 4, boundaries=(symmetry_plane(2, 0.0), symmetry_plane(2, 2 * cell)), motion=breathing)
         weight = method.points.mass * j1(ROOT * method.points.position[:, 0] / RADIUS)
         dt, signal = 0.25 * cell / SOUND, list[float]()
         for _ in range(40 * cells):  # some four periods
@@ -107,7 +107,7 @@ def test_plane_wave_in_a_confined_column_is_that_of_the_three_dimensional_code()
     cell, law = 25.4 / cells, viscoelastic(65.0)
     solid = column(cells, law, velocity=lambda z: np.full_like(z, -speed), shape="gimp")
     method = rings(
-        2, 2 * cells, law, (RigidWall(0.0, 0.0), Symmetry(0, 2 * cell)),
+        2, 2 * cells, law, (rigid_wall(0.0, 0.0), symmetry_plane(0, 2 * cell)),
         lambda x: np.tile([0.0, 0.0, -speed], (len(x), 1)), radius=2 * cell,
     )  # fmt: skip
     dt = solid.stable_step()
@@ -138,7 +138,7 @@ def test_affine_transfers_keep_a_uniform_gradient(name: str, shape: str) -> None
 
 def test_wall_impulse_is_the_change_of_momentum() -> None:
     method = rings(
-        4, 24, viscoelastic(65.0), (RigidWall(0.0, 0.3),), lambda x: np.tile([0.0, 0.0, -100.0], (len(x), 1)),
+        4, 24, viscoelastic(65.0), (rigid_wall(0.0, 0.3),), lambda x: np.tile([0.0, 0.0, -100.0], (len(x), 1)),
         safety=0.2, viscosity=(0.06, 1.5),
     )  # fmt: skip
     start, count, kinetic = method.totals(), 200, list[float]()

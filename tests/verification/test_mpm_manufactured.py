@@ -10,7 +10,7 @@ from columns import COURANT, ELASTIC, block, one_thread, order  # noqa: F401
 from numpy.testing import assert_allclose
 from test_tlmpm_manufactured import AMPLITUDE, RATE, SIDE, TIME, body_force, displacement
 
-from viscopoint.interactions.planes import Symmetry
+from viscopoint.interactions.planes import symmetry_plane
 from viscopoint.methods.mpm.grid import Box
 from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.schemes import SCHEMES
@@ -28,7 +28,7 @@ def error(cells: int, shape: str, transfer: Transfer, amplitude: float = SMALL) 
     """Return the root mean square error of the points' positions, per amplitude."""
     cell = SIDE / cells
     body = block(cell, cells, cells, cells)
-    walls = tuple(Symmetry(axis, place) for axis in range(3) for place in (0.0, SIDE))
+    walls = tuple(symmetry_plane(axis, place) for axis in range(3) for place in (0.0, SIDE))
     choices = Discretisation(
         cell, Box((0.0, 0.0, 0.0), (SIDE, SIDE, SIDE)), SHAPES[shape].fitted(0.5), SCHEMES["musl"], transfer, COURANT,
         BulkViscosity(0.0, 0.0),

@@ -7,7 +7,7 @@ import pytest
 from columns import BOX, CELL, DENSITY, ELASTIC, SHEAR_SHORT, Array, block, one_thread, rod  # noqa: F401
 from numpy.testing import assert_allclose
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import Interaction, rigid_wall, symmetry_plane
 from viscopoint.kernels.arrays import Indices
 from viscopoint.materials.elastic import Elastic
 from viscopoint.methods.mpm.fills.trimmed import rod_trimmed
@@ -99,7 +99,7 @@ def test_slope_is_continuous_across_cells_with_gimp_only(name: str, jump: float)
 UNEVEN = 0.75  # cells between points: of three cells in a row, the middle one has two layers of them
 
 
-def uneven(shape: str, blocks: int, ends: tuple[Symmetry, ...] = (), law: Elastic = ELASTIC) -> MaterialPointMethod:
+def uneven(shape: str, blocks: int, ends: tuple[Interaction, ...] = (), law: Elastic = ELASTIC) -> MaterialPointMethod:
     """Return a column of ``blocks`` times three cells, two blocks wide, its lowest corner in the origin."""
     body = block(2 * UNEVEN * CELL, 2, 2, 2 * blocks)
     side, height = 3 * CELL, 3 * blocks * CELL
@@ -114,7 +114,7 @@ def test_uniform_stress_pulls_at_inner_nodes_of_an_uneven_lattice_without_gimp(s
     """A cell with one layer of points, 3/4 cell thick, beside one with two: 3/4 of the pressure is left over."""
     pressure = 7.0
     method = uneven(shape, 2)
-    method.points.stress[:, :3] = -pressure
+    method.points.material.stress[:, :3] = -pressure
     grid = method.fresh_grid()
     scatter_momentum_and_force(method.points, grid, method.shape, method.pressed(), method.transfer)
     across = grid.change[:, 2].reshape(int(grid.nz), -1).sum(axis=1)  # of each plane of nodes
@@ -129,7 +129,7 @@ def test_boxes_cut_by_the_circumference_pull_only_beside_it_with_gimp() -> None:
     """Nodes within reach of whole boxes alone feel nothing of a uniform pressure; all nodes together never do."""
     radius, pressure = 3.0, 7.0
     method = rod(ELASTIC, shape="gimp", cell=CELL, lift=2.0, body=rod_trimmed(radius, 6.0, CELL / 2))
-    method.points.stress[:, :3] = -pressure
+    method.points.material.stress[:, :3] = -pressure
     grid = method.fresh_grid()
     scatter_momentum_and_force(method.points, grid, method.shape, method.pressed(), method.transfer)
     node = np.stack(np.unravel_index(np.arange(len(grid.change)), (int(grid.nz), int(grid.ny), int(grid.nx))))[::-1].T
@@ -153,9 +153,9 @@ def test_uniform_stress_pulls_at_no_inner_node_of_a_stretched_lattice_with_boxes
     method, middle = uneven(shape, 3), 4.5
     points = method.points
     points.position[:, 2] = (points.position[:, 2] - middle) * stretch + middle
-    points.jacobian[:] = stretch
+    points.shared.jacobian[:] = stretch
     points.stretch[:, 2:] = stretch
-    points.stress[:, :3] = -pressure
+    points.material.stress[:, :3] = -pressure
     method.restore(method.state())  # finds the points' cells
     grid = method.fresh_grid()
     scatter_momentum_and_force(points, grid, method.shape, method.pressed(), method.transfer)
@@ -187,7 +187,7 @@ def test_waves_run_too_slowly_through_an_uneven_lattice_without_gimp(shape: str,
     law = Elastic(DENSITY, 2 / 3 * SHEAR_SHORT, SHEAR_SHORT)
     blocks = 16
     length, speed = 3.0 * blocks, np.sqrt(law.instantaneous_modulus / DENSITY)
-    rollers = tuple(Symmetry(axis, place) for axis in (0, 1) for place in (0.0, 3.0))
+    rollers = tuple(symmetry_plane(axis, place) for axis in (0, 1) for place in (0.0, 3.0))
     method = uneven(shape, blocks, rollers, law)
     mode = np.cos(np.pi * method.body.position[:, 2] / length)
     method.points.velocity[:, 2] = 1e-4 * mode
@@ -215,7 +215,7 @@ def test_points_closer_to_the_box_than_half_their_size_keep_all_their_mass_and_f
     assert method.points.position[:, 2].min() < 0.25
     assert method.lost() == 0
     points, grid = method.points, method.fresh_grid()
-    points.stress[:] = np.random.default_rng(3).normal(size=points.stress.shape)
+    points.material.stress[:] = np.random.default_rng(3).normal(size=points.material.stress.shape)
     scatter_momentum_and_force(points, grid, method.shape, method.pressed(), method.transfer)
     mass = points.mass.sum()
     assert_allclose(grid.momentum.sum(axis=0), mass * np.array([1.0, 2.0, -3.0, 1.0]), rtol=ROUNDING)
@@ -223,7 +223,7 @@ def test_points_closer_to_the_box_than_half_their_size_keep_all_their_mass_and_f
 
 
 def test_wall_holds_what_reaches_beyond_it() -> None:
-    method = rod(shape="gimp", cell=1.0, lift=-0.2, velocity=(0.0, 0.0, -3.0), walls=(RigidWall(0.0, 0.0),))
+    method = rod(shape="gimp", cell=1.0, lift=-0.2, velocity=(0.0, 0.0, -3.0), walls=(rigid_wall(0.0, 0.0),))
     SCHEMES["musl"](method, 1e-6)
     grid = method.grid
     height = grid.z0 + grid.cell * (grid.k0 + np.arange(int(grid.nz)))

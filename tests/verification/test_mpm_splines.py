@@ -8,7 +8,7 @@ from columns import COURANT, ELASTIC, LENGTH, Array, column, layers, one_thread,
 from numpy.testing import assert_allclose
 from scipy.interpolate import BSpline
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.kernels.arrays import Indices
 from viscopoint.methods.mpm.contact import walls_around
 from viscopoint.methods.mpm.points import at_rest
@@ -126,7 +126,9 @@ def test_slopes_are_continuous_between_walls(name: str) -> None:
 
 
 def test_walls_are_found_on_their_side_of_the_body() -> None:
-    method = rod(lift=1.0, shape="quadratic", walls=(RigidWall(0.0, 0.0), Symmetry(0, 4.0), Symmetry(1, -3.0)))
+    method = rod(
+        lift=1.0, shape="quadratic", walls=(rigid_wall(0.0, 0.0), symmetry_plane(0, 4.0), symmetry_plane(1, -3.0))
+    )
     box_low, overhang = -6, 1
     x, y, z = walls_around(method.boundaries, method.grid, method.middle)
     assert (x, y, z) == ((NOWHERE, 4 - box_low + overhang), (-3 - box_low + overhang, NOWHERE), (overhang, NOWHERE))
@@ -144,7 +146,7 @@ def test_column_between_rollers_rings_at_the_spline_s_frequency(name: str, trans
     """
     off = []
     for cells in (24, 48):
-        k, ends = np.pi / LENGTH, (Symmetry(2, 0.0), Symmetry(2, LENGTH))
+        k, ends = np.pi / LENGTH, (symmetry_plane(2, 0.0), symmetry_plane(2, LENGTH))
         method = column(cells, ELASTIC, ends, lambda z, k=k: 1e-4 * np.sin(k * z), shape=name, transfer=transfer)
         mode, dt, found = np.sin(k * layers(method.body.position[:, 2])), method.stable_step(), []
         for _ in range(int(1.8 * cells / COURANT)):

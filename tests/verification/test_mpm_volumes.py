@@ -41,7 +41,7 @@ def strained(method: MaterialPointMethod, motion: Any, dt: float) -> MaterialPoi
 
 
 def pressure(method: MaterialPointMethod) -> Array:
-    return -method.points.stress[:, :3].mean(axis=1)
+    return -method.points.material.stress[:, :3].mean(axis=1)
 
 
 def swirl(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
@@ -56,20 +56,24 @@ def test_uniform_strain_gives_uniform_stress(volume: str, shape: str) -> None:
     method = strained(cube(volume, shape=shape), lambda *x: tuple(slope @ np.array(x)), dt)
     points = method.points
     change = np.eye(3) + dt * slope
-    assert_allclose(points.jacobian, np.linalg.det(change), rtol=10 * ROUNDING)
+    assert_allclose(points.shared.jacobian, np.linalg.det(change), rtol=10 * ROUNDING)
     # coordinates up to 8 cells, and the bulk modulus over the shear modulus, stand before the rounding
-    assert_allclose(points.stress, np.broadcast_to(points.stress[0], points.stress.shape), atol=10 * ROUNDING * STIFF)
-    assert np.abs(points.stress[0]).max() > SOFT * dt
+    assert_allclose(
+        points.material.stress,
+        np.broadcast_to(points.material.stress[0], points.material.stress.shape),
+        atol=10 * ROUNDING * STIFF,
+    )
+    assert np.abs(points.material.stress[0]).max() > SOFT * dt
 
 
 def test_cell_mean_keeps_what_points_gain_together_and_how_they_shear() -> None:
     one, other = (strained(cube(name), swirl, 1e-2) for name in ("local", "cell-mean"))
     cell = np.floor(one.points.position).astype(int) @ [1, 10, 100]
     for points in (one.points, other.points):
-        points.stress[:, :3] -= points.stress[:, :3].mean(axis=1, keepdims=True)
-    assert_allclose(other.points.stress, one.points.stress, atol=ROUNDING * STIFF)
+        points.material.stress[:, :3] -= points.material.stress[:, :3].mean(axis=1, keepdims=True)
+    assert_allclose(other.points.material.stress, one.points.material.stress, atol=ROUNDING * STIFF)
     for name in np.unique(cell):
-        own, shared = one.points.jacobian[cell == name], other.points.jacobian[cell == name]
+        own, shared = one.points.shared.jacobian[cell == name], other.points.shared.jacobian[cell == name]
         assert len(own) == 8
         assert np.ptp(own) > 1e-4
         assert_allclose(shared, own.mean(), rtol=ROUNDING)
@@ -116,20 +120,20 @@ def test_all_points_of_a_cell_push_with_their_mean_pressure() -> None:
     method = cube("cell-mean")
     points = method.points
     random = np.random.default_rng(5)
-    points.stress[:] = random.normal(size=points.stress.shape)
-    points.viscous_pressure[:] = random.uniform(size=len(points.mass))
-    points.jacobian[:] = random.uniform(0.9, 1.1, len(points.mass))
+    points.material.stress[:] = random.normal(size=points.material.stress.shape)
+    points.shared.viscous_pressure[:] = random.uniform(size=len(points.mass))
+    points.shared.jacobian[:] = random.uniform(0.9, 1.1, len(points.mass))
     shared = method.pressed()
     found = np.array([components(pull(shared, points, p, method.grid)) for p in range(len(points.mass))])
-    own = points.stress[:, :3].mean(axis=1) - points.viscous_pressure
+    own = points.material.stress[:, :3].mean(axis=1) - points.shared.viscous_pressure
     cell = np.floor(points.position).astype(int) @ [1, 10, 100]
     for name in np.unique(cell):
         here = cell == name
-        mean = np.average(own[here], weights=points.jacobian[here])
+        mean = np.average(own[here], weights=points.shared.jacobian[here])
         assert_allclose(found[here, :3].mean(axis=1), mean, atol=ROUNDING)
-    spherical = found[:, :3].mean(axis=1) - points.stress[:, :3].mean(axis=1)
-    assert_allclose(found[:, :3] - spherical[:, None], points.stress[:, :3], atol=ROUNDING)
-    assert_allclose(found[:, 3:], points.stress[:, 3:], atol=ROUNDING)
+    spherical = found[:, :3].mean(axis=1) - points.material.stress[:, :3].mean(axis=1)
+    assert_allclose(found[:, :3] - spherical[:, None], points.material.stress[:, :3], atol=ROUNDING)
+    assert_allclose(found[:, 3:], points.material.stress[:, 3:], atol=ROUNDING)
 
 
 def test_work_of_shared_pressure_on_the_nodes_is_that_of_the_shared_dilatation() -> None:
@@ -137,14 +141,14 @@ def test_work_of_shared_pressure_on_the_nodes_is_that_of_the_shared_dilatation()
     method, dt = cube("cell-mean"), 1e-7
     points, random = method.points, np.random.default_rng(6)
     tension = random.normal(size=len(points.mass))
-    points.stress[:, :3] = tension[:, None]
+    points.material.stress[:, :3] = tension[:, None]
     grid = method.fresh_grid()
     scatter_momentum_and_force(points, grid, method.shape, method.pressed(), method.transfer)
     force = grid.change[:, :3].copy()
-    points.viscous_pressure[:] = -tension  # keep for the account: it is what pulls, minus
-    points.stress[:] = 0.0
+    points.shared.viscous_pressure[:] = -tension  # keep for the account: it is what pulls, minus
+    points.material.stress[:] = 0.0
     strained(method, swirl, dt)
     work = -float((force * method.grid.velocity[:, :3]).sum()) * dt
-    taken = float(points.volume @ points.viscous_loss)
+    taken = float(points.volume @ points.shared.viscous_loss)
     assert abs(work) > 1e-7
     assert_allclose(taken, work, rtol=1e-5)  # strain is taken at mid-step: of its own size, some 1e-6

@@ -32,7 +32,7 @@ from columns import (
 )
 from numpy.testing import assert_allclose
 
-from viscopoint.interactions.planes import Symmetry
+from viscopoint.interactions.planes import symmetry_plane
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.model.method import Totals
 
@@ -46,7 +46,7 @@ def ringing(
     cells: int, k: float, decay: float = 0.0, shape: Any = np.cos, **choices: Any
 ) -> tuple[MaterialPointMethod, Array]:
     """Return a column that starts to ring as cos(kz) with free ends or sin(kz) on a held foot, and that mode."""
-    ends = () if shape is np.cos else (Symmetry(2, 0.0),)
+    ends = () if shape is np.cos else (symmetry_plane(2, 0.0),)
     law = viscoelastic(decay) if decay else ELASTIC
     method = column(cells, law, ends, lambda z: SPEED * shape(k * z), **choices)
     return method, shape(k * layers(method.body.position[:, 2]))

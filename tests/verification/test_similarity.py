@@ -15,12 +15,12 @@ import rings
 from columns import ELASTIC, one_thread  # noqa: F401
 from numpy.testing import assert_allclose
 
-from viscopoint.interactions.planes import RigidWall
+from viscopoint.interactions.planes import rigid_wall
 from viscopoint.methods.mpm.grid import Box
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SMALL = 2.0**-10  # a micrometre for a millimetre: forces of micronewtons
-WALL, SPEED, VISCOSITY = (RigidWall(0.0, 0.2),), 40.0, (0.06, 1.5)
+WALL, SPEED, VISCOSITY = (rigid_wall(0.0, 0.2),), 40.0, (0.06, 1.5)
 
 
 def elements(scale: float, name: str) -> Any:

@@ -21,7 +21,7 @@ from cylinders import (
 from lagrangian import EPS, ON_WALL, ROUNDING, column, each_volume, levels, missing, moved, steps
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.interactions.planes import RigidWall, Symmetry
+from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.methods.tlmpm.filling import rod_meridian
 from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
 
@@ -38,8 +38,10 @@ def test_uniform_strain_is_uniform_and_pulls_at_no_node_inside(volume: str) -> N
     points = method.points
     now = np.diag([1 + across, 1 + across, 1 + upward])
     assert_allclose(points.deformation, np.tile(now.ravel(), (len(points.volume), 1)), rtol=0, atol=SMALL)
-    assert_allclose(points.stress, np.tile(points.stress[0], (len(points.volume), 1)), rtol=0, atol=1e3 * SMALL)
-    assert np.abs(points.stress[0, :3]).min() > 10.0  # MPa
+    assert_allclose(
+        points.material.stress, np.tile(points.material.stress[0], (len(points.volume), 1)), rtol=0, atol=1e3 * SMALL
+    )
+    assert np.abs(points.material.stress[0, :3]).min() > 10.0  # MPa
     inside = (r < 0.9 * RADIUS) & (z > 0.1) & (z < z.max() - 0.3)
     assert inside.sum() > 20
     force[r < SMALL, 0] = 0.0  # on the axis nothing moves across, whatever pulls
@@ -65,7 +67,7 @@ def test_cylinder_breathes_at_its_frequency_to_second_order(volume: str) -> None
     errors = []
     for cells in (8, 16):
         cell = RADIUS / cells
-        held = (Symmetry(2, 0.0), Symmetry(2, cell))
+        held = (symmetry_plane(2, 0.0), symmetry_plane(2, cell))
         method = lagrangian_rings(cells, 2, boundaries=held, motion=breathing, volume=volume)
         weight = method.nodes.mass * j1(ROOT * method.reference[:, 0] / RADIUS)
         dt, signal = 0.25 * cell / SOUND, list[float]()
@@ -82,7 +84,7 @@ def test_plane_wave_in_a_confined_column_is_that_of_the_three_dimensional_code()
     cells, speed, count = 50, 1e-4, 100
     solid = column(cells, RELAXING, motion=lambda x: np.tile([0.0, 0.0, -speed], (len(x), 1)), volume="local")
     cell, dt = 25.4 / cells, solid.stable_step()
-    rollers = (*ON_WALL, Symmetry(0, RADIUS))
+    rollers = (*ON_WALL, symmetry_plane(0, RADIUS))
     method = lagrangian_rings(
         2, 2 * cells, RELAXING, rollers, lambda x: np.tile([0.0, 0.0, -speed], (len(x), 1)),
         height=cell / 2, cell_height=cell, volume="local",
@@ -98,7 +100,7 @@ def test_plane_wave_in_a_confined_column_is_that_of_the_three_dimensional_code()
 
 def impact(friction: float = 0.3) -> TotalLagrangianMethod:
     return lagrangian_rings(
-        4, 24, RELAXING, (RigidWall(0.0, friction),), lambda x: np.tile([0.0, 0.0, -100.0], (len(x), 1)),
+        4, 24, RELAXING, (rigid_wall(0.0, friction),), lambda x: np.tile([0.0, 0.0, -100.0], (len(x), 1)),
         viscosity=(0.06, 1.5),
     )  # fmt: skip
 

@@ -12,7 +12,7 @@ from columns import BULK, DENSITY, SHEAR_SHORT, Array, one_thread, order  # noqa
 from lagrangian import ELASTIC, brick, each_volume
 from numpy.testing import assert_allclose
 
-from viscopoint.interactions.planes import Symmetry
+from viscopoint.interactions.planes import symmetry_plane
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SIDE, AMPLITUDE = 4.0, 0.12  # mm; strains up to π A / L, 9 % along each axis
@@ -35,7 +35,7 @@ def body_force(x: Array, t: float, amplitude: float = AMPLITUDE) -> Array:
 
 def error(cells: int, volume: str) -> float:
     """Return the root mean square error of the nodes' positions, per amplitude."""
-    walls = tuple(Symmetry(axis, place) for axis in range(3) for place in (0.0, SIDE))
+    walls = tuple(symmetry_plane(axis, place) for axis in range(3) for place in (0.0, SIDE))
     cell = SIDE / cells
 
     def motion(x: Array) -> Array:

@@ -42,15 +42,17 @@ def test_uniform_strain_is_uniform_up_to_the_cut_surface(fill: str, shape: str) 
     now = np.eye(3) + STRETCH
     assert_allclose(points.deformation, np.broadcast_to(now.ravel(), points.deformation.shape), rtol=0, atol=SMALL)
     assert_allclose(points.position, points.reference @ now.T, rtol=0, atol=6.0 * SMALL)
-    assert_allclose(points.jacobian, np.linalg.det(now), rtol=SMALL)
-    stress = points.stress[0]
+    assert_allclose(points.shared.jacobian, np.linalg.det(now), rtol=SMALL)
+    stress = points.material.stress[0]
     assert np.abs(stress).max() > 10.0  # MPa
-    assert_allclose(points.stress, np.broadcast_to(stress, points.stress.shape), rtol=0, atol=1e3 * SMALL)
+    assert_allclose(
+        points.material.stress, np.broadcast_to(stress, points.material.stress.shape), rtol=0, atol=1e3 * SMALL
+    )
 
 
 def test_mass_and_its_first_moments_are_the_points() -> None:
     method = rod()
-    density, volume = method.law.density, method.points.volume
+    density, volume = method.material.density, method.points.volume
     assert_allclose(method.nodes.mass.sum(), density * np.pi * 4.0 * 6.0, rtol=1e-12)  # a cylinder's
     assert method.nodes.mass.min() > 0.0
     moment = density * volume @ method.points.reference
@@ -100,16 +102,16 @@ def test_forces_do_the_work_that_the_points_take(volume: str) -> None:
 def test_a_prestressed_body_turns_rigidly_many_times() -> None:
     method = rod(ELASTIC, viscosity=(0.0, 0.0))
     moved(method, method.reference @ STRETCH.T / 5, 1.0)
-    start, place = full(method.points.stress.copy()), method.nodes.position.copy()
-    history = full(method.points.history.copy())
+    start, place = full(method.points.material.stress.copy()), method.nodes.position.copy()
+    history = full(method.points.material.history.copy())
     count, turns = 70, 10
     for k in range(1, count + 1):
         target = place @ turn(2 * np.pi * turns * (k - 0.3) / count).T
         moved(method, target - method.nodes.position, 1.0)
     last = turn(2 * np.pi * turns * (count - 0.3) / count)
     scale = count * SMALL * np.abs(start).max()
-    assert_allclose(full(method.points.stress), last @ start @ last.T, rtol=0, atol=scale)
-    assert_allclose(full(method.points.history), last @ history @ last.T, rtol=0, atol=scale)
+    assert_allclose(full(method.points.material.stress), last @ start @ last.T, rtol=0, atol=scale)
+    assert_allclose(full(method.points.material.history), last @ history @ last.T, rtol=0, atol=scale)
 
 
 def test_reach_bounds_the_step_sharply() -> None:

@@ -25,7 +25,7 @@ from fronts import HALF, errors
 from lagrangian import DISPERSION, Array, column, each_volume, levels, upward
 from numpy.testing import assert_allclose
 
-from viscopoint.interactions.planes import Symmetry
+from viscopoint.interactions.planes import symmetry_plane
 from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
@@ -109,14 +109,14 @@ def test_elastic_column_rebounds_without_adhesion_loss_or_gain(cells: int) -> No
     left = times[int(np.flatnonzero(np.diff(pushes))[-1]) + 1]
     assert_allclose(sound * left, 2 * LENGTH - HALF * w, rtol=0, atol=h)
     assert levels(method, method.nodes.position[:, 2])[0] > 0.0
-    assert_allclose(method.nodes.upright, method.nodes.mass, rtol=1e-12)  # all mass is back where it was
+    assert_allclose(method.nodes.normal_mass, method.nodes.mass, rtol=1e-12)  # all mass is back where it was
 
 
 def ringing(cells: int, decay: float, volume: str) -> TotalLagrangianMethod:
     """Return a column held at its foot that starts to ring as sin(kz), k = pi/2L."""
     k = np.pi / (2 * LENGTH)
     motion = upward(lambda z: SPEED * np.sin(k * z))
-    return column(cells, viscoelastic(decay), (Symmetry(2, 0.0),), motion, volume)
+    return column(cells, viscoelastic(decay), (symmetry_plane(2, 0.0),), motion, volume)
 
 
 @each_volume

@@ -9,7 +9,7 @@ from columns import Array, one_thread, rod  # noqa: F401
 from numpy.testing import assert_allclose, assert_array_equal
 
 import viscopoint as vp
-from viscopoint.interactions.planes import RigidWall
+from viscopoint.interactions.planes import rigid_wall
 from viscopoint.methods.mpm.fills.rings import rod_rings
 from viscopoint.methods.mpm.grid import Box
 from viscopoint.methods.mpm.method import MaterialPointMethod
@@ -36,7 +36,7 @@ def steps(method: MaterialPointMethod, count: int) -> MaterialPointMethod:
 
 def impact(**choices: Any) -> MaterialPointMethod:
     body = rod_rings(2.0, 6.0, 0.5)
-    return rod(velocity=(20.0, 5.0, -100.0), walls=(RigidWall(0.0, 0.3),), cell=1.0, body=body, **choices)
+    return rod(velocity=(20.0, 5.0, -100.0), walls=(rigid_wall(0.0, 0.3),), cell=1.0, body=body, **choices)
 
 
 @SCHEME
@@ -62,7 +62,7 @@ def test_free_flight_changes_nothing(transfer: Any, shape: str, scheme: str) -> 
     points, strain = method.points, 10 * count * ROUNDING  # corrections and gradients multiply roundings
     assert_allclose(points.velocity, np.broadcast_to(velocity, start.shape), rtol=strain)
     assert_allclose(points.position, start + time * velocity, rtol=0, atol=strain * 6.0)
-    assert_allclose(points.jacobian, 1.0, rtol=strain)
+    assert_allclose(points.shared.jacobian, 1.0, rtol=strain)
 
 
 @TRANSFER
@@ -104,4 +104,4 @@ def test_losing_points_keeps_momentum(transfer: Any, shape: str) -> None:
 def test_a_guard_names_the_transfer_that_dissipates() -> None:
     for name, words in (("flip", "method.pic_fraction"), ("apic", "method.transfer")):
         method = build(vp.Case.load("paper", {"method.transfer": name})).method
-        assert words in method.advice.dissipating
+        assert words in method.failure_hints.dissipating

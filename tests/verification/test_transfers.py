@@ -54,7 +54,7 @@ def test_step_is_what_its_matrices_say(transfer: Any, shape: str) -> None:
     method, dt = stirred(cube(transfer, uneven=1.0, shape=shape)), 1e-4
     see, points = dense(method), method.points
     x, v, kept = points.position.copy(), points.velocity.copy(), affine_of(method)
-    xx, yy, zz, xy, yz, zx = points.stress.T
+    xx, yy, zz, xy, yz, zx = points.material.stress.T
     stress = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
     change = -dt * np.einsum("p,abp,pnb->na", points.volume, stress, see.slopes) / see.lumped[:, None]
     node = see.averaged(v) + change
@@ -161,7 +161,7 @@ def test_apic_keeps_angular_momentum_to_rounding(scheme: str, shape: str, volume
     for _ in range(count):
         method.advance(method.stable_step())
     assert np.abs(points.position - moved).max() > (0.02 if scheme == "usl" else 0.3)
-    assert np.abs(points.stress).max() > 0.1
+    assert np.abs(points.material.stress).max() > 0.1
     assert_allclose(whole(), start, rtol=0, atol=count * ROUNDING * points.mass.sum() * speed * 3.0)
 
 
@@ -178,7 +178,7 @@ def test_other_transfers_change_angular_momentum_as_derived(transfer: Any, shape
     method.advance(dt)
     node, change = nodal(method, see.lumped), nodal(method, see.lumped, "change")
     if isinstance(transfer, Flip) and transfer.pic == 0.0:
-        lost = m * whirl(see.moments(change)) - dt * m * np.cross(points.drift, points.velocity)
+        lost = m * whirl(see.moments(change)) - dt * m * np.cross(points.grid_velocity, points.velocity)
     else:
         lost = m * whirl(see.moments(node))
     after = orbital(method)

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 from viscopoint.case.rules import rule
 from viscopoint.case.units import Duration, Gap, Instant, Length, Speed
 from viscopoint.errors import nearest
-from viscopoint.interactions.planes import RigidPlane, SymmetryPlane, wall
+from viscopoint.interactions.planes import RigidPlane, SymmetryPlane, rigid_wall
 from viscopoint.kernels.arrays import PRECISIONS
 from viscopoint.messages import one_line, unseen
 from viscopoint.model.viscosity import BulkViscosity
@@ -153,7 +153,7 @@ class Impact(Table):
         """Return what the rod hits: an anvil that it can leave, or rollers that hold its impact face for good."""
         height = 0.0 - self.gap  # not the negative zero
         if self.wall == "rigid":
-            return wall(height, self.friction)
+            return rigid_wall(height, self.friction)
         return SymmetryPlane((0.0, 0.0, height), (0.0, 0.0, 1.0))
 
 

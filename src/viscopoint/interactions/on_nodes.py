@@ -12,6 +12,7 @@ onto the wall, are stopped as they are.
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -116,7 +117,7 @@ def meet(
             if nodes.partner[n] >= 0:
                 touch(nodes, n, least, reactions)
                 continue
-        s: int = slot_of[n]
+        s: Any = slot_of[n]
         if s < 0:
             s = slot_of[n] = add_slot(rows, body, n)
             load_node(nodes, n, rows, s, time)
@@ -160,7 +161,7 @@ def settle(nodes: Nodes, rows: Rows, body: int, slot_of: Indices) -> None:
     for r in range(rows.size[0]):
         s = rows.slot[rows.start[r]]
         if rows.node[s, 0] == body and rows.row[r, TWO_SIDED] == 0.0 and rows.row[r, LAMBDA] > 0.0:
-            n: int = rows.node[s, 1]
+            n: Any = rows.node[s, 1]
             onto(nodes, n, read_vector(rows.row[r][NORMAL:]), read_vector(rows.row[r][POINT:]))
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:

@@ -80,12 +80,12 @@ class MovingPlane(NamedTuple):
         return True
 
 
-def wall(height: float, friction: float = 0.0) -> RigidPlane:
+def rigid_wall(height: float, friction: float = 0.0) -> RigidPlane:
     """Return a horizontal wall below the body."""
     return RigidPlane((0.0, 0.0, height), (0.0, 0.0, 1.0), friction)
 
 
-def symmetry(axis: int, position: float) -> SymmetryPlane:
+def symmetry_plane(axis: int, position: float) -> SymmetryPlane:
     """Return a plane of symmetry normal to an axis (0, 1, 2 for x, y, z)."""
     along = [0.0, 0.0, 0.0]
     along[axis] = 1.0

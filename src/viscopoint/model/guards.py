@@ -15,7 +15,7 @@ class GuardError(ViscopointError):
 
 
 def check_row(row: Row, start: Totals, limits: Guards, method: Method) -> None:
-    """Stop if a quantity is not finite, the energy balance does not close, or too much is lost or taken by hourglassing.
+    """Stop if a quantity is not finite, energy is lost or gained, or too much is eroded or taken by hourglassing.
 
     Args:
         row: to check.

@@ -141,7 +141,7 @@ def meet(
     for k in range(low[2], high[2]):
         for j in range(low[1], high[1]):
             for i in range(low[0], high[0]):
-                n = np.int64((np.uint64(k) * grid.ny + np.uint64(j)) * grid.nx + np.uint64(i))
+                n: Any = np.int64((np.uint64(k) * grid.ny + np.uint64(j)) * grid.nx + np.uint64(i))
                 m = grid.momentum[n, 3]
                 height = dot(x0 + grid.cell * Vec(float(i), float(j), float(k)), normal)
                 if not (m > 0.0 and height <= CLOSE * grid.cell and closed(contact, n)):
@@ -149,12 +149,13 @@ def meet(
                 velocity = read_vector(grid.velocity[n])
                 if not (several or plane.two_sided or dot(velocity, normal) < plane.speed):
                     continue
-                if slot_of[n] < 0:
-                    slot_of[n] = add_slot(rows, body, n)
+                s: Any = slot_of[n]
+                if s < 0:
+                    s = slot_of[n] = add_slot(rows, body, n)
                     inverse = 1.0 / m
                     before = inverse * read_vector(grid.momentum[n])
-                    load_slot(rows, slot_of[n], before, velocity, Vec(inverse, inverse, inverse))
-                add_row(rows, slot_of[n], owner, normal, point, plane.speed, plane.friction, plane.two_sided)
+                    load_slot(rows, s, before, velocity, Vec(inverse, inverse, inverse))
+                add_row(rows, s, owner, normal, point, plane.speed, plane.friction, plane.two_sided)
 
 
 @serial_kernel

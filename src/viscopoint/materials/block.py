@@ -19,7 +19,7 @@ from numba.extending import intrinsic, overload
 from viscopoint.kernels import outside
 from viscopoint.kernels.arrays import Array, Real
 from viscopoint.kernels.cache import Cache
-from viscopoint.kernels.jit import INLINED, OPTIONS, inline
+from viscopoint.kernels.jit import INLINED, OPTIONS, generic, implements, inline
 from viscopoint.kernels.tensors import Matrix, added, cofactor, determinant, times, times_transposed, transposed
 from viscopoint.kernels.workspace import (
     HISTORY,
@@ -70,7 +70,25 @@ class MaterialCode(NamedTuple):
     numbers: Array  # Δt, parameters, and what is computed of them for the step
     density: float  # g/mm^3
     n_history: int  # values of a point
-    needs_deformation: bool
+
+
+class DeformingMaterialCode(MaterialCode):
+    """The same of a material that is handed F."""
+
+
+@generic
+def store_gradient(material: Any, work: Any, i: int, gradient: Matrix) -> None:
+    """Store the displacement gradient of a step at mid-step, if the material is handed F."""
+
+
+@implements(store_gradient, MaterialCode)
+def unasked(material: MaterialCode, work: Any, i: int, gradient: Matrix) -> None:
+    pass
+
+
+@implements(store_gradient, DeformingMaterialCode)
+def handed_over(material: MaterialCode, work: Any, i: int, gradient: Matrix) -> None:
+    store(work, GRADIENT, i, gradient)
 
 
 class MaterialBlock:
@@ -87,9 +105,8 @@ class MaterialBlock:
         self._prepare = blocks.prepare.ctypes
         self._numbers = numbers.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
         n_history = len(self.initial_history())
-        self.code = MaterialCode(
-            blocks.update.address, blocks.energies.address, numbers, float(material.density), n_history, bool(own)
-        )
+        kind = DeformingMaterialCode if own else MaterialCode
+        self.code = kind(blocks.update.address, blocks.energies.address, numbers, float(material.density), n_history)
 
     @property
     def n_own(self) -> int:
@@ -154,20 +171,25 @@ def _compiled(material: Any, factors: Any, n_own: int, with_deformation: bool) -
     def prepare(numbers: Any) -> None:
         put_factors(numbers, step_factors(material_in(numbers), numbers[0]))
 
+    # parameters are read before the loop, as the compiler cannot know that a block's results do not change them
+
     def update(work: Any, count: int, numbers: Any) -> None:
+        parameters, of_step, dt = material_in(numbers), factors_in(numbers), numbers[0]
         for i in range(count):
-            advance_point(work, i, material_in(numbers), factors_in(numbers), numbers[0], IDENTITY, own, like)
+            advance_point(work, i, parameters, of_step, dt, IDENTITY, own, like)
 
     def update_with_deformation(work: Any, count: int, numbers: Any) -> None:
+        parameters, of_step, dt = material_in(numbers), factors_in(numbers), numbers[0]
         for i in range(count):
             deformation = deformed(load_matrix(work, HISTORY, i), load_matrix(work, GRADIENT, i), load(work, AFTER, i))
             store(work, HISTORY, i, deformation)
-            advance_point(work, i, material_in(numbers), factors_in(numbers), numbers[0], deformation, own, like)
+            advance_point(work, i, parameters, of_step, dt, deformation, own, like)
 
     def energies(work: Any, count: int, numbers: Any) -> None:
+        parameters = material_in(numbers)
         for i in range(count):
             history = load_tuple(work, own, i, like)
-            stored = stored_energy(material_in(numbers), load(work, JACOBIAN, i), load_sym(work, STRESS, i), history)
+            stored = stored_energy(parameters, load(work, JACOBIAN, i), load_sym(work, STRESS, i), history)
             store(work, STORED, i, stored)
 
     block = types.void(WORKSPACE, types.intp, NUMBERS)

@@ -30,7 +30,6 @@ from viscopoint.materials import block
 from viscopoint.materials.block import (
     AFTER,
     DISSIPATED,
-    GRADIENT,
     HYPOELASTIC,
     JACOBIAN,
     MODULUS,
@@ -40,6 +39,7 @@ from viscopoint.materials.block import (
     MaterialBlock,
     MaterialCode,
     call_block,
+    store_gradient,
 )
 from viscopoint.model.kinematics import strain_and_rotation
 from viscopoint.model.viscosity import BulkViscosity, viscous_pressure
@@ -130,8 +130,7 @@ def store_strain(work: Any, i: int, gradient: Matrix, material: MaterialCode) ->
     """
     strain, rotation = strain_and_rotation(gradient)
     store(work, ROTATION, i, rotation)
-    if material.needs_deformation:
-        store(work, GRADIENT, i, gradient)
+    store_gradient(material, work, i, gradient)
     return strain
 
 

@@ -17,6 +17,7 @@ from viscopoint.methods.mpm.points import Points
 from viscopoint.model import memory
 
 FIELDS = 3  # of a node beside the spare ones
+PAGE, APART = 128, 43  # rows of nodes in a page of memory, and from one field to the next, less whole pages
 NEGLIGIBLE = 64e6  # bytes for which nobody need ask
 
 
@@ -113,14 +114,15 @@ def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
     first = np.maximum(low - 2 * margin, 0)
     nx, ny, nz = (int(n) for n in high + 2 * margin + 1 - first)
     _check_memory(nx * ny * nz * (FIELDS + len(grid.spare)) * 4 * 8.0, least, most)
-    nodes = [np.zeros((nx * ny * nz, 4)) for _ in range(FIELDS)]
-    spare = np.zeros((len(grid.spare), nx * ny * nz, 4))
+    count = nx * ny * nz
+    # where fields begin at the same place of a page, the processor takes a node's row in one for that in another
+    nodes = np.zeros((FIELDS + len(grid.spare), count + (APART - count) % PAGE, 4))[:, :count]
     i0, j0, k0 = (int(index) for index in first)
     shift = (k0 * ny + j0) * nx + i0
     return grid._replace(
         i0=i0, j0=j0, k0=k0,
         nx=np.uint64(nx), ny=np.uint64(ny), nz=np.uint64(nz), shift=np.uint64(shift),
-        momentum=nodes[0], velocity=nodes[1], change=nodes[2], spare=spare,
+        momentum=nodes[0], velocity=nodes[1], change=nodes[2], spare=nodes[FIELDS:],
     )  # fmt: skip
 
 

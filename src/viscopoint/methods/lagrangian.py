@@ -105,8 +105,8 @@ class LagrangianBody(ABC):
         moving, straining = np.empty((CHUNKS, motion.SUMS)), np.empty((CHUNKS, points.SUMS))
         motion.sum_motion(self.nodes, moving)
         sum_energies(*self.states(), self.block.code, straining)
-        kinetic, mass, *momentum = moving.sum(axis=0).tolist()
-        energies, reactions = straining.sum(axis=0).tolist(), self.reactions.sum(axis=0)
+        kinetic, mass, *momentum = np.add.reduce(moving).tolist()
+        energies, reactions = np.add.reduce(straining).tolist(), np.add.reduce(self.reactions)
         along = np.array(self.resultant)
         return Totals(
             kinetic=kinetic,

@@ -8,7 +8,7 @@ from viscopoint.kernels.arrays import Array, Indices
 
 
 class Surface(NamedTuple):
-    """Which points show where the rod's surface is (see ``gauges``)."""
+    """Which points show where the rod's surface is (see ``measurements``)."""
 
     ring: Indices  # [layer, c], points around the circumference of each layer, from the foot up; -1: none
     start: Array  # [c], how far from the axis such a point starts, mm

@@ -3,7 +3,13 @@
 from collections.abc import Sequence
 from typing import Annotated, NamedTuple, get_type_hints
 
-from viscopoint.model.measurements import Gauges, measure
+import numpy as np
+from numba.extending import register_jitable
+
+from viscopoint.kernels.jit import OPTIONS, serial_kernel
+from viscopoint.model import measurements
+from viscopoint.model.body import Surface
+from viscopoint.model.measurements import Measurements
 from viscopoint.model.method import Method, Totals
 
 Time = Annotated[float, "ms"]
@@ -34,7 +40,7 @@ class Row(NamedTuple):
     step: Count
     time_step: Time  # that the method took last
     length: Length
-    contact_radius: Length  # of what is on the wall, or lowest; see ``gauges``
+    contact_radius: Length  # of what is on the wall, or lowest; see ``measurements``
     impact_face_radius: Length  # of the lowest layer of material
     greatest_radius: Length
     lowest_point: Length
@@ -68,16 +74,27 @@ def row_of(values: Sequence[float]) -> Row:
     return Row._make(kind(value) for kind, value in zip(_KINDS, values, strict=True))
 
 
-MEASURED = Gauges._fields  # not a number where a point that they need was lost
+MEASURED = Measurements._fields  # not a number where a point that they need was lost
 LEAST_INTERNAL = 0.01  # of the initial kinetic energy, of which ``hourglass_share`` is at least taken
 _KINDS = [int if unit == "1" else float for unit in UNITS.values()]
+
+
+for _loop in measurements.LOOPS:
+    register_jitable(**OPTIONS)(_loop)
+measured = serial_kernel(measurements.measured)
 
 
 class EnergyBalance:
     """Keeps the account of a body: what there was at the start, the row before, the rows at snapshots, and errors."""
 
     def __init__(self, method: Method) -> None:
-        self.method, self.surface = method, method.body.surface
+        self.method, surface = method, method.body.surface
+        self.surface = Surface(
+            ring=np.ascontiguousarray(surface.ring), start=np.ascontiguousarray(surface.start),
+            radius=float(surface.radius), tail=surface.tail, foot=surface.foot, reach=float(surface.reach),
+            near=float(surface.near),
+        )  # fmt: skip
+        self.variance = float(np.var(surface.start))
         self.start: Totals = method.totals()
         self.internal = LEAST_INTERNAL * self.start.kinetic  # the greatest so far, mJ
         self.before: Row = self.row(0.0, 0, 0.0)
@@ -102,8 +119,8 @@ class EnergyBalance:
 
     def row(self, time: float, step: int, time_step: float) -> Row:
         """Measure the method now."""
-        now, start = self.method.totals(), self.start
-        shape = measure(self.surface, self.method.positions())
+        now, start, lost = self.method.totals(), self.start, self.method.lost()
+        shape = Measurements(*measured(self.surface, self.method.positions(), self.variance))
         impulse = float(now.impulse[2])
         self.internal = max(self.internal, now.stored + now.dissipated)
         force = (impulse - self.before.wall_impulse) / (time - self.before.time) if step else 0.0
@@ -119,8 +136,8 @@ class EnergyBalance:
             contact=now.contact, friction=now.friction,
             numerical=start.energy - now.energy,
             hourglass_share=100.0 * now.hourglass / self.internal,
-            lost=self.method.lost(),
-            lost_mass=self.method.lost_mass(),
+            lost=lost,
+            lost_mass=self.method.lost_mass() if lost else 0.0,
         )  # fmt: skip
         self.before = row
         return row

@@ -29,7 +29,7 @@ FLIES = 0.5  # a point that is this share nearer to or farther from the axis tha
 LEVEL = 1e-6  # of the rod's radius: distances from the axis that differ by less are one
 
 
-class Gauges(NamedTuple):
+class Measurements(NamedTuple):
     """Lengths in mm."""
 
     length: float
@@ -41,70 +41,144 @@ class Gauges(NamedTuple):
     widest_point: float  # distance from the axis
 
 
+# These are plain loops: what reads results runs them as they are, and ``energy_balance`` compiles them.
+
+
 def profile(surface: Surface, position: Array) -> tuple[Array, Array]:
     """Return height and radius of each layer [mm]; points at not-a-number are left out."""
-    ring = np.where((surface.ring < 0)[..., None], np.nan, position[surface.ring])
-    now = np.hypot(ring[..., 0], ring[..., 1])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        swell = now / surface.start
-        flies = np.abs(swell - _mean(swell)[:, None]) > FLIES * _mean(swell)[:, None]
-        now = np.where(flies, np.nan, now)
-        start = np.where(np.isfinite(now), surface.start, np.nan)
-        middle, radius = _mean(start), _mean(now)
-        apart = start - middle[:, None]
-        spread = _mean(apart**2)
+    layers = len(surface.ring)
+    height, radius = np.full(layers, np.nan), np.full(layers, np.nan)
+    outline(surface.ring, surface.start, surface.radius, float(np.var(surface.start)), position, height, radius)
+    return height, radius
+
+
+def outline(
+    ring: Indices, start: Array, radius_at_start: float, variance: float, position: Array, height: Array, radius: Array
+) -> None:
+    """Find height and radius of each layer; ``variance`` is that of ``start``."""
+    layers, around = ring.shape
+    for layer in range(layers):
+        up, swell, seen = 0.0, 0.0, 0
+        for c in range(around):
+            p = ring[layer, c]
+            if p >= 0 and np.isfinite(position[p, 0]):
+                up += position[p, 2]
+                swell += np.hypot(position[p, 0], position[p, 1]) / start[c]
+                seen += 1
+        if seen == 0:
+            continue
+        height[layer], swell = up / seen, swell / seen
+        count, now, middle, mixed, square = 0, 0.0, 0.0, 0.0, 0.0
+        for c in range(around):
+            p = ring[layer, c]
+            if p >= 0 and np.isfinite(position[p, 0]):
+                away = np.hypot(position[p, 0], position[p, 1])
+                if not abs(away / start[c] - swell) > FLIES * swell:
+                    now, middle, count = now + away, middle + start[c], count + 1
+        if count == 0:
+            continue
+        now, middle = now / count, middle / count
+        for c in range(around):
+            p = ring[layer, c]
+            if p >= 0 and np.isfinite(position[p, 0]):
+                away = np.hypot(position[p, 0], position[p, 1])
+                if not abs(away / start[c] - swell) > FLIES * swell:
+                    mixed += (start[c] - middle) * away
+                    square += (start[c] - middle) ** 2
+        mixed, square = mixed / count, square / count
         # too few points, or all from equally far out, make no line
-        enough = np.isfinite(now).mean(axis=1) > 0.5
-        line = enough & (spread > 0.5 * np.var(surface.start)) & (spread > (LEVEL * surface.radius) ** 2)
-        slope = np.where(line, _mean(apart * now) / spread, radius / middle)
-    return _mean(ring[..., 2]), radius + slope * (surface.radius - middle)
+        line = count > 0.5 * around and square > 0.5 * variance and square > (LEVEL * radius_at_start) ** 2
+        slope = mixed / square if line else now / middle
+        radius[layer] = now + slope * (radius_at_start - middle)
 
 
-def measure(surface: Surface, position: Array) -> Gauges:
+def measure(surface: Surface, position: Array) -> Measurements:
     """Measure the rod; see the module's words on how."""
-    height, radius = profile(surface, position)
-    x, y, z = position.T
-    tail, foot = _ends(surface.tail, z, surface.reach), _ends(surface.foot, z, surface.reach)
-    ring_is_whole = not np.isnan(position[surface.ring[surface.ring >= 0], 2]).any()
-    return Gauges(
-        length=float(tail.max() - foot.min()),  # not a number if one of them is not
-        contact_radius=_contact_radius(surface, position, height, radius) if ring_is_whole else np.nan,
-        impact_face_radius=float(radius[0]) if ring_is_whole else np.nan,
-        greatest_radius=float(radius.max()) if ring_is_whole else np.nan,
-        lowest_point=float(z.min()),
-        highest_point=float(z.max()),
-        widest_point=float(np.sqrt((x**2 + y**2).max())),
-    )
+    return Measurements(*measured(surface, position, float(np.var(surface.start))))
 
 
-def _contact_radius(surface: Surface, position: Array, height: Array, radius: Array) -> float:
-    """Return the greatest radius of the surface no higher above its lowest point than ``surface.near`` [mm]."""
-    face = position[surface.foot[:, 0]]
-    most = min(float(face[:, 2].min()), float(height.min())) + surface.near
-    if height[0] > most:  # the rim is off the wall: only a part of the impact face is on it
-        inside = face[~np.isin(surface.foot[:, 0], surface.ring[0])]
-        from_axis = np.hypot(inside[:, 0], inside[:, 1])
-        order = np.argsort(from_axis, kind="stable")
-        radius, height = np.append(from_axis[order], radius), np.append(inside[order, 2], height)
-    on = height <= most
-    touching, found = np.flatnonzero(on), [np.nan]
-    found += radius[touching].tolist()
-    for here, beyond in ((-1, 1), (1, -1)):  # the straight line to a neighbour that is higher, up or down the outline
-        there = touching + beyond
-        there = there[(there >= 0) & (there < len(on))]
-        there = there[~on[there]]
-        share = (most - height[there + here]) / (height[there] - height[there + here])
-        found += (radius[there + here] + share * (radius[there] - radius[there + here])).tolist()
-    return float(np.fmax.reduce(found))
+def measured(
+    surface: Surface, position: Array, variance: float
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return the numbers of ``measure``; ``variance`` is that of ``surface.start``."""
+    lowest, highest, widest, nothing = np.inf, -np.inf, 0.0, 0.0
+    for p in range(len(position)):
+        x, y, z = position[p, 0], position[p, 1], position[p, 2]
+        lowest, highest, widest = min(lowest, z), max(highest, z), max(widest, x * x + y * y)
+        if not np.isfinite(x + y + z):
+            nothing = np.nan
+    foot, tail = np.inf, np.inf
+    for column in range(len(surface.foot)):
+        foot = lesser(foot, end(surface.foot, column, position, surface.reach))
+    for column in range(len(surface.tail)):
+        tail = lesser(tail, -end(surface.tail, column, position, surface.reach))
+    layers = len(surface.ring)
+    height, radius = np.full(layers, np.nan), np.full(layers, np.nan)
+    outline(surface.ring, surface.start, surface.radius, variance, position, height, radius)
+    contact, face, greatest = np.nan, np.nan, np.nan
+    if not misses(surface.ring, position):
+        contact, face, greatest = contact_radius(surface, position, height, radius), radius[0], radius.max()
+    return -tail - foot, contact, face, greatest, lowest + nothing, highest + nothing, np.sqrt(widest) + nothing
 
 
-def _ends(columns: Indices, z: Array, reach: float) -> Array:
-    last, inner = z[columns[:, 0]], z[columns[:, 1]]
+def lesser(a: float, b: float) -> float:
+    """Return the lesser of two numbers, and not-a-number if one of them is."""
+    return b if b < a or np.isnan(b) else a
+
+
+def end(columns: Indices, column: int, position: Array, reach: float) -> float:
+    """Return where a column of points ends."""
+    last, inner = position[columns[column, 0], 2], position[columns[column, 1], 2]
     return last + reach * (last - inner)
 
 
-def _mean(values: Array) -> Array:
-    """Average each row over its finite values; not-a-number where there is none."""
-    finite = np.isfinite(values)
-    total = np.where(finite, values, 0.0).sum(axis=1)
-    return np.divide(total, finite.sum(axis=1), out=np.full(len(values), np.nan), where=finite.any(axis=1))
+def misses(ring: Indices, position: Array) -> bool:
+    """Return whether one of the surface's points was lost."""
+    for layer in range(ring.shape[0]):
+        for c in range(ring.shape[1]):
+            if ring[layer, c] >= 0 and np.isnan(position[ring[layer, c], 2]):
+                return True
+    return False
+
+
+def contact_radius(surface: Surface, position: Array, height: Array, radius: Array) -> float:
+    """Return the greatest radius of the surface no higher above its lowest point than ``surface.near`` [mm]."""
+    foot, most = surface.foot, np.inf
+    for column in range(len(foot)):
+        most = min(most, position[foot[column, 0], 2])
+    most = min(most, height.min()) + surface.near
+    if height[0] > most:  # the rim is off the wall: only a part of the impact face is on it
+        height, radius = with_impact_face(surface, position, height, radius)
+    found = np.nan
+    for n in range(len(height)):
+        if height[n] > most:
+            continue
+        found = np.fmax(found, radius[n])
+        for step in (-1, 1):  # the straight line to a neighbour that is higher, up or down the outline
+            beyond = n + step
+            if 0 <= beyond < len(height) and height[beyond] > most:
+                share = (most - height[n]) / (height[beyond] - height[n])
+                found = np.fmax(found, radius[n] + share * (radius[beyond] - radius[n]))
+    return found
+
+
+def with_impact_face(surface: Surface, position: Array, height: Array, radius: Array) -> tuple[Array, Array]:
+    """Return the outline with the impact face's points within its rim before it, from the axis outwards."""
+    face, rim = surface.foot[:, 0], surface.ring[0]
+    inside, count = np.empty(len(face), np.int64), 0
+    for p in face:
+        if not (rim == p).any():
+            inside[count] = p
+            count += 1
+    away = np.empty(count)
+    for n in range(count):
+        away[n] = np.hypot(position[inside[n], 0], position[inside[n], 1])
+    order = np.argsort(away, kind="mergesort")
+    heights, radii = np.empty(count + len(height)), np.empty(count + len(radius))
+    for n in range(count):
+        heights[n], radii[n] = position[inside[order[n]], 2], away[order[n]]
+    heights[count:], radii[count:] = height, radius
+    return heights, radii
+
+
+LOOPS = (outline, lesser, end, misses, with_impact_face, contact_radius)  # that ``measured`` calls

@@ -1,8 +1,8 @@
 """A mesh of hexahedra: its elements in slabs that threads share, its volumes and its quality.
 
-Elements are visited slab by slab. A slab is a level of neighbours, counted from the lowest nodes up; a node touches two
-levels at most, so that slabs of one colour (even, odd) share no node: threads add to nodes without atomics, and every
-node sums its elements in the same order, whatever the thread count.
+Elements are visited slab by slab. A slab is one or more levels of neighbours, counted from the lowest nodes up; a node
+touches two levels at most, so that slabs of one colour (even, odd) share no node: threads add to nodes without atomics,
+and every node sums its elements in the same order, whatever the thread count.
 """
 
 from collections.abc import Callable
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import PARTS, kernel
 from viscopoint.kernels.slabs import chunk
+from viscopoint.kernels.workspace import BLOCK
 from viscopoint.methods.fem.cells import stable_length, volume, volume_gradient
 from viscopoint.methods.fem.cells.hexahedron import ETA, GAUSS, XI, ZETA, Hexahedron, modes
 
@@ -61,10 +62,12 @@ def slabs(position: Array, corner: Indices) -> Slabs:
         newly = newly[~reached[newly]]
         reached[newly] = True
         deepest += 1
-    return Slabs(
-        np.argsort(level, kind="stable").astype(np.uint64),
-        np.concatenate([[0], np.cumsum(np.bincount(level))]).astype(np.int64),
-    )
+    ends: list[int] = [0]
+    for end in np.cumsum(np.bincount(level)).tolist():  # levels of few elements make a slab together
+        if end - ends[-1] >= BLOCK:
+            ends.append(end)
+    ends[1:] = [*ends[1:-1], len(corner)] if len(ends) > 1 else [len(corner)]
+    return Slabs(np.argsort(level, kind="stable").astype(np.uint64), np.array(ends, np.int64))
 
 
 def _elements_around(corner: Indices, count: int) -> Callable[[Indices], Indices]:

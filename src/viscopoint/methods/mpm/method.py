@@ -168,8 +168,8 @@ class MaterialPointMethod:
         moving, straining = np.empty((CHUNKS, stress.SUMS)), np.empty((CHUNKS, points_of_any.SUMS))
         stress.sum_motion(points, moving)
         sum_energies(points.material, points.shared, points.volume, self.block.code, straining)
-        kinetic, mass, *momentum = moving.sum(axis=0).tolist()
-        energies, reactions = straining.sum(axis=0).tolist(), self.reactions.sum(axis=0)
+        kinetic, mass, *momentum = np.add.reduce(moving).tolist()
+        energies, reactions = np.add.reduce(straining).tolist(), np.add.reduce(self.reactions)
         return Totals(
             kinetic=kinetic,
             stored=energies[points_of_any.STORED_ENERGY],

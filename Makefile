@@ -45,10 +45,10 @@ define install
 endef
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
-	$(call install,$(VENV))
+	$(call install,$(VENV),[threads])
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/python
-	$(call install,$(VENV),[test$(comma)lint])
+	$(call install,$(VENV),[threads$(comma)test$(comma)lint])
 	@touch $(VENV)/.installed
 
 $(LOWEST)/.installed: pyproject.toml .ci/lowest.py | $(LOWEST)/bin/python

@@ -12,7 +12,7 @@ from viscopoint.materials.block import MaterialBlock
 from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 from viscopoint.materials.plastic import Plastic
-from viscopoint.model.kinematics import at_mid_step, strain_and_rotation, volume_ratio
+from viscopoint.kernels.kinematics import at_mid_step, strain_and_rotation, volume_ratio
 
 ELASTIC = Elastic(density=1e-3, bulk=550.0, shear=140.0)
 PAPER = LinearViscoelastic(density=1e-3, bulk=550.0, shear_long=5.0, shear_maxwell=135.0, decay=65.0)

@@ -17,7 +17,7 @@ from viscopoint.methods.fem.rod import rod_mesh
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.shapes import along, stencil
 from viscopoint.methods.mpm.transfers import Transfer
-from viscopoint.methods.mpm.transfers.apic import Apic
+from viscopoint.methods.mpm.transfers.affine_pic import Apic
 from viscopoint.methods.mpm.transfers.flip import Flip
 
 pytestmark = pytest.mark.usefixtures("one_thread")

@@ -13,9 +13,9 @@ from viscopoint.kernels.arrays import Indices
 from viscopoint.methods.mpm.contact import walls_around
 from viscopoint.methods.mpm.points import at_rest
 from viscopoint.methods.mpm.shapes import NOWHERE, SHAPES, along, stencil
-from viscopoint.methods.mpm.shapes.quadratic import Quadratic
+from viscopoint.methods.mpm.shapes.splines import Quadratic
 from viscopoint.methods.mpm.transfers import Transfer
-from viscopoint.methods.mpm.transfers.apic import Apic
+from viscopoint.methods.mpm.transfers.affine_pic import Apic
 from viscopoint.methods.mpm.transfers.flip import Flip
 
 pytestmark = pytest.mark.usefixtures("one_thread")

@@ -26,7 +26,7 @@ from numpy.testing import assert_allclose
 from test_column import MODULI, SPEED
 
 from viscopoint.methods.mpm.transfers import Transfer
-from viscopoint.methods.mpm.transfers.apic import Apic
+from viscopoint.methods.mpm.transfers.affine_pic import Apic
 from viscopoint.methods.mpm.transfers.flip import Flip
 
 pytestmark = pytest.mark.usefixtures("one_thread")

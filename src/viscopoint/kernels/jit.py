@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 import numba
 import numba.np.ufunc.parallel
 from numba.core import config
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.extending import overload, register_jitable
 
 from viscopoint.errors import InputError, ViscopointError
@@ -42,6 +43,15 @@ INLINED: Any = {**OPTIONS, "forceinline": True, "_nrt": False}  # tensors stay i
 BODY: Any = {**OPTIONS, "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
+class _DistinctArrays(CompilerBase):
+    """Compiles a kernel's body: what it writes is none of the other arrays that it is handed."""
+
+    def define_pipelines(self) -> Any:
+        """Return Numba's usual passes."""
+        self.state.flags.noalias = True
+        return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+
+
 def kernel(parts: int = PARTS, colours: int = 1) -> Callable[[F], Any]:
     """Compile a function of one part of the work and let threads share the parts; keep the machine code on disk.
 
@@ -50,7 +60,7 @@ def kernel(parts: int = PARTS, colours: int = 1) -> Callable[[F], Any]:
     """
 
     def declare(function: F) -> Any:
-        body = numba.njit(nogil=True, **BODY)(function)
+        body = numba.njit(nogil=True, pipeline_class=_DistinctArrays, **BODY)(function)
         if colours == 1:
 
             def launch_all(*arguments: Any) -> None:

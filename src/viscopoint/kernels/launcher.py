@@ -5,6 +5,10 @@ attribute of a NamedTuple (numba issues 5872, 7135, 10338). Here a kernel is a f
 other, and a few instructions that pass its arguments on to the threads that Numba has started anyway.
 """
 
+import contextlib
+import ctypes
+import functools
+from importlib import metadata
 from typing import Any
 
 from llvmlite import ir
@@ -13,13 +17,23 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.ufunc import parallel
 
+TBB = ("libtbb.so.12", "libtbb.12.dylib", "tbb12.dll")
 BYTES = ir.IntType(8).as_pointer()
 SIZE = ir.IntType(64)
 WORKER = ir.FunctionType(ir.VoidType(), [BYTES.as_pointer(), SIZE.as_pointer(), SIZE.as_pointer(), BYTES])
 
 
+@functools.cache
 def start_threads() -> None:
-    """Start Numba's threads, if they are not; before that, code that calls them can be neither made nor loaded."""
+    """Start Numba's threads; before that, code that calls them can be neither made nor loaded.
+
+    Threads of TBB, where it is installed: those of OpenMP wait for each other at the end of each kernel, and beside a
+    busy program a step on two of them takes two to three times as long as on one.
+    """
+    with contextlib.suppress(metadata.PackageNotFoundError, OSError):
+        for file in metadata.files("tbb") or ():
+            if file.name in TBB:  # Numba does not look where pip puts it
+                ctypes.CDLL(str(file.locate()), mode=ctypes.RTLD_GLOBAL)
     parallel._launch_threads()
 
 

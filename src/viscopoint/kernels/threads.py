@@ -9,7 +9,6 @@ import numba
 from numba.core import config
 
 from viscopoint.errors import InputError
-from viscopoint.model.body import Body
 
 SMALL = 10_000  # points or elements: beside another busy program two threads take two to ten times as long as one
 
@@ -23,15 +22,18 @@ def check(wanted: int | None) -> None:
     raise InputError(f"threads: {wanted!r}: this machine has {most}; write a whole number from 1 to {most}")
 
 
-def chosen(wanted: int | None, body: Body) -> int:
-    """Return on how many threads to compute: as many as wanted, or as Numba was told, or as the size deserves."""
+def chosen(wanted: int | None, size: int) -> int:
+    """Return on how many threads to compute: as many as wanted, or as Numba was told, or as the size deserves.
+
+    ``size`` is the number of points, or of elements if there are any.
+    """
     settings: Any = config
     most, told = settings.NUMBA_NUM_THREADS, numba.get_num_threads()
     if wanted is not None:
         return wanted
     if told != most or most != settings.NUMBA_DEFAULT_NUM_THREADS or "NUMBA_NUM_THREADS" in os.environ:
         return told
-    return 1 if (len(body.cells) or len(body.position)) < SMALL else most
+    return 1 if size < SMALL else most
 
 
 @contextlib.contextmanager

@@ -19,8 +19,19 @@ from numba.extending import intrinsic, overload
 from viscopoint.kernels import outside
 from viscopoint.kernels.arrays import Array, Real
 from viscopoint.kernels.cache import Cache
-from viscopoint.kernels.jit import INLINED, OPTIONS, generic, implements, inline
-from viscopoint.kernels.tensors import Matrix, added, cofactor, determinant, times, times_transposed, transposed
+from viscopoint.kernels.jit import INLINED, OPTIONS, inline
+from viscopoint.kernels.kinematics import strain_and_rotation
+from viscopoint.kernels.tensors import (
+    Matrix,
+    added,
+    cofactor,
+    determinant,
+    deviator,
+    spherical,
+    times,
+    times_transposed,
+    transposed,
+)
 from viscopoint.kernels.workspace import (
     HISTORY,
     WORKSPACE,
@@ -45,17 +56,16 @@ from viscopoint.materials import (
 
 (
     STRESS,  # Cauchy, MPa
-    STRAIN,  # increment
-    ROTATION,  # over the step
-    GRADIENT,  # ∂Δu/∂x at mid-step, of materials that are handed F
+    GRADIENT,  # ∂Δu/∂x of the step, at mid-step
+    SWEPT,  # tr Δε that the point shall have, its own or one that it shares
     JACOBIAN,  # J at the start of the step
     AFTER,  # J at its end
     DISSIPATED,  # by the material, per reference volume, since the start, mJ/mm^3
     HYPOELASTIC,  # taken as volume changes under shear, likewise
     MODULUS,  # K + 4G/3 now, MPa
     OWN,
-) = columns(6, 6, 9, 9, *(1,) * 5)
-STORED = STRAIN  # energy per reference volume, mJ/mm^3, where the block of energies leaves it
+) = columns(6, 9, *(1,) * 6)
+STORED = SWEPT  # energy per reference volume, mJ/mm^3, where the block of energies leaves it
 DEFORMATION_GRADIENT = HistoryField("deformation_gradient", "1", 9, np.eye(3).ravel().tolist())
 IDENTITY = Matrix(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 NUMBERS = types.CPointer(types.float64)
@@ -72,25 +82,6 @@ class MaterialCode(NamedTuple):
     n_history: int  # values of a point
 
 
-class DeformingMaterialCode(MaterialCode):
-    """The same of a material that is handed F."""
-
-
-@generic
-def store_gradient(material: Any, work: Any, i: int, gradient: Matrix) -> None:
-    """Store the displacement gradient of a step at mid-step, if the material is handed F."""
-
-
-@implements(store_gradient, MaterialCode)
-def unasked(material: MaterialCode, work: Any, i: int, gradient: Matrix) -> None:
-    pass
-
-
-@implements(store_gradient, DeformingMaterialCode)
-def handed_over(material: MaterialCode, work: Any, i: int, gradient: Matrix) -> None:
-    store(work, GRADIENT, i, gradient)
-
-
 class MaterialBlock:
     """A material, compiled."""
 
@@ -105,8 +96,8 @@ class MaterialBlock:
         self._prepare = blocks.prepare.ctypes
         self._numbers = numbers.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
         n_history = len(self.initial_history())
-        kind = DeformingMaterialCode if own else MaterialCode
-        self.code = kind(blocks.update.address, blocks.energies.address, numbers, float(material.density), n_history)
+        addresses = blocks.update.address, blocks.energies.address
+        self.code = MaterialCode(*addresses, numbers, float(material.density), n_history)
 
     @property
     def n_own(self) -> int:
@@ -207,7 +198,9 @@ def advance_point(
     """Advance point i of the block by a step: stress, history and energies. J stays that of the step's start."""
     before, after = load(work, JACOBIAN, i), load(work, AFTER, i)
     stress, history = load_sym(work, STRESS, i), load_tuple(work, own, i, like)
-    increment = Increment(dt, load_sym(work, STRAIN, i), load_matrix(work, ROTATION, i), after, deformation)
+    strain, rotation = strain_and_rotation(load_matrix(work, GRADIENT, i))
+    strain = deviator(strain) + spherical(load(work, SWEPT, i) / 3.0)
+    increment = Increment(dt, strain, rotation, after, deformation)
     now = update_stress(material, factors, increment, stress, history)
     taken = hypoelastic_work(material, after - before, stress, history, now.stress, now.history)
     store_sym(work, STRESS, i, now.stress)

@@ -33,6 +33,11 @@ class Model(NamedTuple):
         return self.method.material
 
     @property
+    def size(self) -> int:
+        """Number of elements, or of points where there are none, of all bodies."""
+        return sum(len(method.body.cells) or len(method.body.position) for method in self.bodies)
+
+    @property
     def mass(self) -> float:
         """The mass of the first body [g]."""
         return self.material.density * float(self.body.volume.sum())

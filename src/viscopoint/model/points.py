@@ -1,7 +1,7 @@
 """What material points, points of total Lagrangian bodies and quadrature points have in common.
 
-Strain becomes stress, history and energies here, and nowhere else: a method finds the displacement gradient of a block
-of points, hands it over by ``store_strain``, has the material called (``materials.block``), and then bulk viscosity by
+A method finds the displacement gradient of a block of points, the volumetric strain and J that they shall have, and
+has strain become stress, history and energies by the material's block (``materials.block``), and bulk viscosity by
 ``apply_viscosity``. A method's own columns of the workspace begin at ``OWN``.
 """
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from viscopoint.kernels.arrays import Array, Real
 from viscopoint.kernels.jit import inline, kernel
 from viscopoint.kernels.slabs import CHUNKS, chunk
-from viscopoint.kernels.tensors import Matrix, Sym, read, write
+from viscopoint.kernels.tensors import read, write
 from viscopoint.kernels.workspace import (
     BLOCK,
     HISTORY,
@@ -33,15 +33,12 @@ from viscopoint.materials.block import (
     HYPOELASTIC,
     JACOBIAN,
     MODULUS,
-    ROTATION,
     STORED,
     STRESS,
     MaterialBlock,
     MaterialCode,
     call_block,
-    store_gradient,
 )
-from viscopoint.model.kinematics import strain_and_rotation
 from viscopoint.model.viscosity import BulkViscosity, viscous_pressure
 
 VISCOUS, VISCOUS_LOSS, OWN = columns(1, 1, first=block.OWN)
@@ -123,18 +120,6 @@ def store_volume(state: VolumeState, e: int, work: Any, i: int) -> None:
 
 
 @inline
-def store_strain(work: Any, i: int, gradient: Matrix, material: MaterialCode) -> Sym:
-    """Split the displacement gradient of a step, taken at mid-step; return the strain increment, which is not stored.
-
-    Whether points share a dilatation is for the method to say, which stores ``STRAIN`` and J at the end (``AFTER``).
-    """
-    strain, rotation = strain_and_rotation(gradient)
-    store(work, ROTATION, i, rotation)
-    store_gradient(material, work, i, gradient)
-    return strain
-
-
-@inline
 def apply_viscosity(
     work: Any, i: int, material: MaterialCode, viscosity: BulkViscosity, length: float, rate: float,
     swept_before: float, swept: float,
@@ -155,7 +140,7 @@ def apply_viscosity(
         The present wave speed [mm/ms], and q / (rho l |d|) [mm/ms].
     """
     after = load(work, AFTER, i)
-    sound = math.sqrt(load(work, MODULUS, i) / material.density) * math.sqrt(after)
+    sound = math.sqrt(load(work, MODULUS, i) * after * (1.0 / material.density))
     pressure, damping = viscous_pressure(viscosity, material.density / after, length, sound, rate)
     add(work, VISCOUS_LOSS, i, -(swept_before * load(work, VISCOUS, i) + swept * pressure))
     store(work, VISCOUS, i, pressure)

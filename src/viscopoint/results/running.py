@@ -106,7 +106,7 @@ def run(
             kept = case.resolved()
             kept = kept.model_copy(update={"method": kept.method.kept_in(fresh)})
             write_text(fresh / CASE, kept.to_toml())
-            own = {"sources": sources_of(case), "case": _hashed(fresh, kept), "threads": chosen(threads, model.body)}
+            own = {"sources": sources_of(case), "case": _hashed(fresh, kept), "threads": chosen(threads, model.size)}
             write_json(fresh / PROVENANCE, provenance() | own)
             _write_summary(fresh, Summary.of_start(model))
             made = fresh.stat()
@@ -193,7 +193,7 @@ def resume(
         if changed:
             words = clipped(f"run folder {folder}: {NOT_THE_SAME}: {'; '.join(changed)}")
             warnings.warn(one_line(words), ViscopointWarning, stacklevel=2)
-        news = of_resuming(earlier.provenance, changed) | {"threads": chosen(threads, model.body)}
+        news = of_resuming(earlier.provenance, changed) | {"threads": chosen(threads, model.size)}
         result = _compute(held, model, every, found, company, news)
     _warn(result.results.warnings)
     return result
@@ -236,7 +236,7 @@ def _compute(
                 _write_summary(folder, Summary.of_start(model))
             for writer in writers:
                 writer.begin()
-            with using(chosen(company.threads, model.body)), _noting_failure(held, model):
+            with using(chosen(company.threads, model.size)), _noting_failure(held, model):
                 outcome = simulation.run()
         held.check()
         start, advice = simulation.balance.start.kinetic, model.method.failure_hints

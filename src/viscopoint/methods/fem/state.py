@@ -30,7 +30,6 @@ TWELVE = (0.0,) * 12
     REFERENCE,  # volume at the start
     VOLUME,  # present; not positive: turned inside out
     WHOLE,  # least volume of the element or its points, also at mid-step; not positive: turned inside out
-    SWEPT,  # tr Δε of the whole element
     MEAN,  # Σ det tr σ / 3 over the points
     SHARPEST,  # what the points take of shear (``cells.sharpest``)
     DET,  # of a point
@@ -38,7 +37,7 @@ TWELVE = (0.0,) * 12
     REST_STEP,  # longest stable step without bulk viscosity
     STEP_LENGTH,  # longest stable step
     _,
-) = columns(24, 24, 21, 12, *(1,) * 10, first=OWN)
+) = columns(24, 24, 21, 12, *(1,) * 9, first=OWN)
 
 
 class Elements(NamedTuple):

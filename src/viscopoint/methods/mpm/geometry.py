@@ -15,7 +15,7 @@ at the point itself. V_p / r_p is 2 pi times the area of the box, so that both a
 
 **On the axis** v_r is odd and v_z even: v_r = 0 at its nodes, whatever points around them map there, which is no force
 (the mirror image maps as much the other way). Shape functions that reach beyond the axis find no nodes there: what they
-would need goes on in a straight line, v_-1 = 2 v_0 - v_1, as at walls (see ``shapes.quadratic``). Of v_r that is the
+would need goes on in a straight line, v_-1 = 2 v_0 - v_1, as at walls (see ``shapes.splines``). Of v_r that is the
 mirror image itself; of v_z it keeps linear fields, one weight for both components, and leaves a slope at the axis that
 is of first order in the cell, as elements have.
 """

@@ -5,28 +5,26 @@ from typing import Any
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import inline, kernel
+from viscopoint.kernels.kinematics import at_mid_step, volume_ratio, volumetric
 from viscopoint.kernels.slabs import CHUNKS, chunk, slabs_of
-from viscopoint.kernels.tensors import Matrix, dot, read_vector, trace
-from viscopoint.kernels.workspace import BLOCK, columns, load, load_matrix, store, store_sym, workspace
-from viscopoint.materials.block import AFTER, JACOBIAN, STRAIN, MaterialCode, call_block
+from viscopoint.kernels.tensors import Matrix, dot, read_vector
+from viscopoint.kernels.workspace import BLOCK, columns, load, load_matrix, store, workspace
+from viscopoint.materials.block import AFTER, GRADIENT, JACOBIAN, SWEPT, MaterialCode, call_block
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.support import around, gradient
 from viscopoint.methods.mpm.volumes import dilated
-from viscopoint.model.kinematics import at_mid_step, volume_ratio
 from viscopoint.model.points import (
     OWN,
     apply_viscosity,
     load_material,
     load_volume,
     store_material,
-    store_strain,
     store_volume,
 )
 from viscopoint.model.viscosity import BulkViscosity, signal_speed
 
-# what a point has in the workspace beside what all have: ∂Δu/∂x at the step's start, v², tr Δε
-MOVED, SPEED, SWEPT, _ = columns(9, 1, 1, first=OWN)
+SPEED, _ = columns(1, first=OWN)  # of a point in the workspace, beside what all have: v², then the signal speed
 KINETIC, MASS, MOMENTUM, SUMS = 0, 1, 2, 5
 
 
@@ -49,17 +47,17 @@ def update_points(
                 p: int = order[first + i]
                 v, at = read_vector(points.velocity[p]), around(points, p, grid, shape)
                 moved = gradient(grid.velocity, grid, at, dt * grid.per_cell)
-                store(work, MOVED, i, moved)
+                store(work, GRADIENT, i, moved)
                 store(work, SPEED, i, dot(v, v))
                 stretched(points, p, moved)
                 load_material(points.material, p, work, i, material.n_history)
                 load_volume(points.shared, p, work, i)
             for i in range(count):
-                moved = load_matrix(work, MOVED, i)
-                strain, ratio = store_strain(work, i, at_mid_step(moved), material), volume_ratio(moved)
-                strain, ratio = dilated(volume, points, order[first + i], grid, strain, ratio)
-                store_sym(work, STRAIN, i, strain)
-                store(work, SWEPT, i, trace(strain))
+                moved = load_matrix(work, GRADIENT, i)
+                middle, ratio = at_mid_step(moved), volume_ratio(moved)
+                swept, ratio = dilated(volume, points, order[first + i], grid, volumetric(middle), ratio)
+                store(work, GRADIENT, i, middle)
+                store(work, SWEPT, i, swept)
                 store(work, AFTER, i, load(work, JACOBIAN, i) * ratio)
             call_block(material.update, work, count, material.numbers)
             for i in range(count):

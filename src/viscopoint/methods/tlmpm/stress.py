@@ -5,6 +5,7 @@ from typing import Any
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import PARTS, inline, kernel
+from viscopoint.kernels.kinematics import volumetric
 from viscopoint.kernels.slabs import COLOURS, chunk, coloured_slabs_of
 from viscopoint.kernels.tensors import (
     added,
@@ -18,20 +19,19 @@ from viscopoint.kernels.tensors import (
     times_transposed,
     trace,
 )
-from viscopoint.kernels.workspace import columns, load, load_matrix, load_sym, store, store_sym, workspace
-from viscopoint.materials.block import AFTER, STRAIN, STRESS, MaterialCode, call_block
+from viscopoint.kernels.workspace import columns, load, load_matrix, load_sym, store, workspace
+from viscopoint.materials.block import AFTER, GRADIENT, STRESS, SWEPT, MaterialCode, call_block
 from viscopoint.methods.mpm.support import sampled
 from viscopoint.methods.tlmpm.interpolation import follow, push
 from viscopoint.methods.tlmpm.lattice import Lattice, around, cells_in_block
 from viscopoint.methods.tlmpm.points import Points, deformation, keep_deformation
-from viscopoint.methods.tlmpm.volumes import DETERMINANT, MID_JACOBIAN, SHARED, SWEPT, VOLUME, share
+from viscopoint.methods.tlmpm.volumes import DETERMINANT, MID_JACOBIAN, SHARED, VOLUME, share
 from viscopoint.model.points import (
     VISCOUS,
     apply_viscosity,
     load_material,
     load_volume,
     store_material,
-    store_strain,
     store_volume,
 )
 from viscopoint.model.viscosity import BulkViscosity, longest_step
@@ -71,10 +71,8 @@ def strain_points(
                 load_material(points.material, p, work, i, material.n_history)
                 load_volume(points.shared, p, work, i)
             for i in range(count):
-                strain(work, i, material)
+                strain(work, i)
             share(volume, work, lattice, cell, last)
-            for i in range(count):
-                store_sym(work, STRAIN, i, deviator(load_sym(work, STRAIN, i)) + spherical(load(work, SWEPT, i) / 3.0))
             call_block(material.update, work, count, material.numbers)
             for i in range(count):
                 respond(work, i, lattice, material, viscosity, stable_length, dt)
@@ -93,17 +91,16 @@ def strain_points(
 
 
 @inline
-def strain(work: Any, i: int, material: MaterialCode) -> None:
-    """Find F at the end of the step, and strain and rotation at mid-step, of point i of the block."""
+def strain(work: Any, i: int) -> None:
+    """Find F at the end of the step, and the displacement gradient at mid-step, of point i of the block."""
     step, before = load_matrix(work, STEP, i), load_matrix(work, DEFORMATION, i)
     middle, now = added(before, 0.5, step), added(before, 1.0, step)
     det_middle, det_now = determinant(middle), determinant(now)
     gradient = times_transposed(1.0 / det_middle, step, cofactor(middle))
-    increment = store_strain(work, i, gradient, material)
-    store_sym(work, STRAIN, i, increment)
+    store(work, GRADIENT, i, gradient)
     store(work, DEFORMATION, i, now)
-    store(work, SWEPT, i, trace(increment))
-    store(work, OWN_SWEPT, i, trace(increment))
+    store(work, SWEPT, i, volumetric(gradient))
+    store(work, OWN_SWEPT, i, volumetric(gradient))
     store(work, MID_JACOBIAN, i, det_middle)
     store(work, DETERMINANT, i, det_now)
     store(work, AFTER, i, det_now)

@@ -9,13 +9,13 @@ from typing import Any, NamedTuple
 from viscopoint.discovery import Registry
 from viscopoint.kernels.jit import generic, implements
 from viscopoint.kernels.workspace import columns, load, store
-from viscopoint.materials.block import AFTER
+from viscopoint.materials.block import AFTER, SWEPT
 from viscopoint.methods.tlmpm.lattice import Lattice
 from viscopoint.model.points import OWN
 
 VOLUMES: Registry[Any] = Registry()
-# V_p, det F at mid-step and at the end of the step, tr Δε; other columns of the method begin at ``SHARED``
-VOLUME, MID_JACOBIAN, DETERMINANT, SWEPT, SHARED = columns(*(1,) * 4, first=OWN)
+# V_p, det F at mid-step and at the end of the step; other columns of the method begin at ``SHARED``
+VOLUME, MID_JACOBIAN, DETERMINANT, SHARED = columns(*(1,) * 3, first=OWN)
 
 
 @VOLUMES.register("local")

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscopoint.kernels.jit import PARTS, inline, kernel
+from viscopoint.kernels.kinematics import rotation_of, volumetric
 from viscopoint.kernels.rows import read_row, write_row
 from viscopoint.kernels.slabs import COLOURS, coloured_slabs_of
 from viscopoint.kernels.tensors import (
@@ -17,7 +18,6 @@ from viscopoint.kernels.tensors import (
     matrix,
     spherical,
     sym_columns,
-    trace,
 )
 from viscopoint.kernels.workspace import (
     BLOCK,
@@ -27,11 +27,10 @@ from viscopoint.kernels.workspace import (
     load_sym,
     load_tuple,
     store,
-    store_sym,
     widest_vectors,
     workspace,
 )
-from viscopoint.materials.block import AFTER, JACOBIAN, ROTATION, STRAIN, STRESS, MaterialCode, call_block
+from viscopoint.materials.block import AFTER, GRADIENT, JACOBIAN, STRESS, SWEPT, MaterialCode, call_block
 from viscopoint.methods.fem.cells import (
     Hourglass,
     corner_forces,
@@ -59,7 +58,6 @@ from viscopoint.methods.fem.state import (
     REFERENCE,
     REST_STEP,
     STEP_LENGTH,
-    SWEPT,
     TWELVE,
     VOLUME,
     WEIGHTS,
@@ -68,7 +66,7 @@ from viscopoint.methods.fem.state import (
     load_motion,
 )
 from viscopoint.model.nodes import Nodes
-from viscopoint.model.points import VISCOUS, apply_viscosity, load_material, store_material, store_strain, store_volume
+from viscopoint.model.points import VISCOUS, apply_viscosity, load_material, store_material, store_volume
 from viscopoint.model.viscosity import BulkViscosity, longest_step
 
 
@@ -119,7 +117,7 @@ def strain_one_point(
                 store(work, WEIGHTS, i, read_row(elements.hourglass_force[e], TWELVE))
                 store(work, HOURGLASS_WORK, i, elements.hourglass_work[e])
             for i in range(count):
-                strain(work, i, cell, material, dt)
+                strain(work, i, cell, dt)
             call_block(material.update, work, count, material.numbers)
             for i in range(count):
                 respond(work, i, cell, material, hourglass, viscosity, dt)
@@ -137,17 +135,16 @@ def strain_one_point(
 
 
 @inline
-def strain(work: Any, i: int, cell: Any, material: MaterialCode, dt: float) -> None:
-    """Take the motion of the block's element i over the step to strain, rotation and volume."""
+def strain(work: Any, i: int, cell: Any, dt: float) -> None:
+    """Take the motion of the block's element i over the step to its mean gradient and its volume."""
     place = modes_of(cell, load_tuple(work, PLACE, i, corner_numbers(cell)))
     flow = modes_of(cell, load_tuple(work, FLOW, i, corner_numbers(cell)))
     middle = moved(place, -0.5 * dt, flow)
     half, gradient = volume_gradient(middle), volume_gradient(place)
     mid_volume, now = volume(middle, half), volume(place, gradient)
     stretch = mean_gradient(flow, half, dt / mid_volume)
-    increment = store_strain(work, i, matrix(stretch), material)
-    store_sym(work, STRAIN, i, increment)
-    store(work, SWEPT, i, trace(increment))
+    store(work, GRADIENT, i, matrix(stretch))
+    store(work, SWEPT, i, volumetric(matrix(stretch)))
     store(work, AFTER, i, now / load(work, REFERENCE, i))
     store(work, VOLUME, i, now)
     whole = now > 0.0 and mid_volume > 0.0 and smallest_length(place, gradient, now) > 0.0
@@ -169,7 +166,9 @@ def respond(
     slip = hourglass_of_numbers(load_tuple(work, FLOW, i, TWELVE))
     before = hourglass_of_numbers(load_tuple(work, WEIGHTS, i, TWELVE))
     mass = material.density * reference
-    h, taken = hourglass_force(hourglass, before, slip, load_matrix(work, ROTATION, i), dt, mass, sound, length)
+    h, taken = hourglass_force(
+        hourglass, before, slip, rotation_of(load_matrix(work, GRADIENT, i)), dt, mass, sound, length
+    )
     stable = stable_length(place, gradient, now)
     store(work, WEIGHTS, i, hourglass_numbers(h))
     add(work, HOURGLASS_WORK, i, taken)

@@ -7,7 +7,7 @@ import numpy as np
 
 from viscopoint.kernels.jit import PARTS, inline, kernel
 from viscopoint.kernels.slabs import COLOURS, coloured_slabs_of
-from viscopoint.kernels.tensors import deviator, matrix, spherical, sym_columns, trace
+from viscopoint.kernels.tensors import deviator, matrix, sym_columns, trace
 from viscopoint.kernels.workspace import (
     BLOCK,
     add,
@@ -15,11 +15,10 @@ from viscopoint.kernels.workspace import (
     load_sym,
     load_tuple,
     store,
-    store_sym,
     widest_vectors,
     workspace,
 )
-from viscopoint.materials.block import AFTER, JACOBIAN, STRAIN, STRESS, MaterialCode, call_block
+from viscopoint.materials.block import AFTER, GRADIENT, JACOBIAN, STRESS, SWEPT, MaterialCode, call_block
 from viscopoint.methods.fem.cells import (
     add_point_force,
     add_pressure,
@@ -54,7 +53,6 @@ from viscopoint.methods.fem.state import (
     REST_STEP,
     SHARPEST,
     STEP_LENGTH,
-    SWEPT,
     VOLUME,
     WEIGHTS,
     WHOLE,
@@ -62,7 +60,7 @@ from viscopoint.methods.fem.state import (
     load_motion,
 )
 from viscopoint.model.nodes import Nodes
-from viscopoint.model.points import VISCOUS, apply_viscosity, load_material, store_material, store_strain, store_volume
+from viscopoint.model.points import VISCOUS, apply_viscosity, load_material, store_material, store_volume
 from viscopoint.model.viscosity import BulkViscosity, longest_step
 
 
@@ -118,7 +116,7 @@ def strain_selective(
                     q = np.int64(order[first + i]) * points + k
                     load_material(elements.material, q, work, i, material.n_history)
                 for i in range(count):
-                    strain(work, i, k, cell, material, dt)
+                    strain(work, i, k, cell, dt)
                 call_block(material.update, work, count, material.numbers)
                 for i in range(count):
                     gather(work, i, k, cell)
@@ -159,15 +157,14 @@ def dilate(work: Any, i: int, cell: Any, dt: float) -> None:
 
 
 @inline
-def strain(work: Any, i: int, k: int, cell: Any, material: MaterialCode, dt: float) -> None:
-    """Take the motion of the block's element i over the step to strain and rotation of its point k."""
+def strain(work: Any, i: int, k: int, cell: Any, dt: float) -> None:
+    """Take the motion of the block's element i over the step to the gradient at its point k."""
     place = unflattened(cell, load_tuple(work, PLACE, i, mode_numbers(cell)))
     flow = unflattened(cell, load_tuple(work, FLOW, i, mode_numbers(cell)))
     stretch, mid_det, weights, det = at_point(place, flow, dt, k)
     # what the points before one that is turned inside out have taken stays in the account
     store(work, WHOLE, i, min(load(work, WHOLE, i), min(det, mid_det)))
-    own = store_strain(work, i, matrix(stretch), material)
-    store_sym(work, STRAIN, i, deviator(own) + spherical(load(work, SWEPT, i) / 3.0))
+    store(work, GRADIENT, i, matrix(stretch))
     store(work, WEIGHTS, i, point_numbers(weights))
     store(work, DET, i, det)
     store(work, SHARPEST, i, sharpest(place, load(work, SHARPEST, i), weights, det))

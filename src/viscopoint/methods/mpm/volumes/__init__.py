@@ -34,15 +34,15 @@ VOLUMES: Registry[type[Volume]] = Registry()
 
 
 @generic
-def dilated(volume: Any, points: Points, p: int, grid: Grid, strain: Sym, ratio: float) -> tuple[Sym, float]:
-    """Return the strain increment and the volume ratio of a step that point p shall have.
+def dilated(volume: Any, points: Points, p: int, grid: Grid, swept: float, ratio: float) -> tuple[float, float]:
+    """Return the volumetric strain and the volume ratio of a step that point p shall have.
 
     Args:
         volume: the choice, ``strained``.
         points: all points, where the step began.
         p: the point.
         grid: where the cells are.
-        strain: the point's own strain increment.
+        swept: the point's own tr Δε.
         ratio: its own det(I + A) over the step.
     """
     raise NotImplementedError

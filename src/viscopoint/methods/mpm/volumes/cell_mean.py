@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import implements, kernel
+from viscopoint.kernels.kinematics import at_mid_step, volume_ratio, volumetric
 from viscopoint.kernels.slabs import slabs_of
 from viscopoint.kernels.tensors import Sym, deviator, read, spherical, trace
 from viscopoint.methods.mpm.grid import Grid, zero
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.support import around, cell_row, gradient
 from viscopoint.methods.mpm.volumes import VOLUMES, dilated, pull
-from viscopoint.model.kinematics import at_mid_step, strain_and_rotation, volume_ratio
 
 
 @VOLUMES.register("cell-mean")
@@ -58,12 +58,11 @@ def sum_dilatation(part: int, points: Points, grid: Grid, shape: Any, dt: float,
             p: int = grid.order[q]
             at = around(points, p, grid, shape)
             moved = gradient(grid.velocity, grid, at, dt * grid.per_cell)
-            strain, _ = strain_and_rotation(at_mid_step(moved))
             ratio = volume_ratio(moved)
             volume = points.shared.jacobian[p] * points.volume[p]
             cell = cell_row(points, p, grid)
             sums[cell, 0] += volume
-            sums[cell, 1] += volume * trace(strain)
+            sums[cell, 1] += volume * volumetric(at_mid_step(moved))
             sums[cell, 2] += volume * (ratio - 1.0)
 
 
@@ -81,10 +80,12 @@ def sum_tension(part: int, points: Points, grid: Grid, sums: Array) -> None:
 
 
 @implements(dilated, CellMean)
-def shared_volume(volume: CellMean, points: Points, p: int, grid: Grid, strain: Sym, ratio: float) -> tuple[Sym, float]:
+def shared_volume(
+    volume: CellMean, points: Points, p: int, grid: Grid, swept: float, ratio: float
+) -> tuple[float, float]:
     cell = cell_row(points, p, grid)
-    whole, swept, growth = volume.sums[cell, 0], volume.sums[cell, 1], volume.sums[cell, 2]
-    return deviator(strain) + spherical(swept / (3.0 * whole)), 1.0 + growth / whole
+    whole = volume.sums[cell, 0]
+    return volume.sums[cell, 1] / whole, 1.0 + volume.sums[cell, 2] / whole
 
 
 @implements(pull, CellMean)

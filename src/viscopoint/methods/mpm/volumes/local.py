@@ -27,8 +27,8 @@ class Local(NamedTuple):
 
 
 @implements(dilated, Local)
-def own_volume(volume: Local, points: Points, p: int, grid: Grid, strain: Sym, ratio: float) -> tuple[Sym, float]:
-    return strain, ratio
+def own_volume(volume: Local, points: Points, p: int, grid: Grid, swept: float, ratio: float) -> tuple[float, float]:
+    return swept, ratio
 
 
 @implements(pull, Local)

@@ -1,7 +1,7 @@
 """From a step's velocity gradient to strain, rotation and volume, objectively (Hughes & Winget 1980)."""
 
 from viscopoint.kernels.jit import inline
-from viscopoint.kernels.tensors import Matrix, Sym, determinant, minor, spun
+from viscopoint.kernels.tensors import Matrix, Sym, determinant, minor, spun, trace
 
 
 @inline
@@ -64,3 +64,17 @@ def cayley(x: float, y: float, z: float) -> Matrix:
         scale * (x * y + z), 1.0 - scale * (x * x + z * z), scale * (y * z - x),
         scale * (x * z - y), scale * (y * z + x), 1.0 - scale * (x * x + y * y),
     )  # fmt: skip
+
+
+@inline
+def volumetric(gradient: Matrix) -> float:
+    """Return tr Δε of the displacement gradient G of a step, taken at mid-step, to the last bit that of the strain."""
+    strain, _ = strain_and_rotation(gradient)
+    return trace(strain)
+
+
+@inline
+def rotation_of(gradient: Matrix) -> Matrix:
+    """Return the rotation Q of the displacement gradient G of a step, taken at mid-step."""
+    g = gradient
+    return cayley(0.25 * (g.zy - g.yz), 0.25 * (g.xz - g.zx), 0.25 * (g.yx - g.xy))

@@ -95,7 +95,7 @@ def column(
         shape=SHAPES[shape].fitted(0.5),
         scheme=SCHEMES[scheme],
         transfer=Flip(pic) if transfer is None else transfer,
-        safety=safety,
+        time_step_factor=safety,
         viscosity=BulkViscosity(*viscosity),
         volume=VOLUMES[volume],
         contact=CONTACTS[contact],

@@ -7,6 +7,7 @@ the place of the nodes', and all of its kick in the first half.
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -71,12 +72,13 @@ class CentralDifferences:
     def advance(self, dt: float) -> None:
         """Advance all bodies by one step ``dt`` [ms]."""
         bodies, first, rows = self.bodies, self._first, self._rows
-        rows.size[:] = 0
+        rows.size[:], ends = 0, [0]
         for body in bodies:
             body.kick(dt)  # v += f/m Δt/2
         for number, body in enumerate(bodies):
             rows = body.constrain(rows, number, first[number], dt)  # what nodes must not do
-        solve_if_any(rows, self._reactions)  # λ >= 0, friction cone
+            ends.append(int(rows.size[0]))
+        self._solve(rows, ends)  # λ >= 0, friction cone
         for number, body in enumerate(bodies):
             body.drift(rows, number, dt)  # x += v Δt
         for body in bodies:
@@ -87,13 +89,13 @@ class CentralDifferences:
             body.constrain_again(rows, number, dt)
         if rows.size[0]:
             relax_bounds(rows)
-        solve_if_any(rows, self._reactions)
+        self._solve(rows, ends)
         for number, body in enumerate(bodies):
             body.arrive(rows, number)
         self._rows = rows
 
-
-def solve_if_any(rows: Rows, reactions: Array) -> None:
-    """Solve the rows, if there are any."""
-    if rows.size[0]:
-        solve(rows, reactions)
+    def _solve(self, rows: Rows, ends: list[int]) -> None:
+        """Solve the rows of each body, none of which shares a node with another's."""
+        for begin, end in pairwise(ends):
+            if begin < end:
+                solve(rows, begin, end, self._reactions)

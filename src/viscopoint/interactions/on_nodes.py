@@ -34,7 +34,8 @@ from viscopoint.interactions.rows import (
     with_room,
 )
 from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.kernels.jit import inline, serial_kernel
+from viscopoint.kernels.jit import PARTS, inline, kernel, serial_kernel
+from viscopoint.kernels.slabs import chunk
 from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
 from viscopoint.model.nodes import Nodes, impulse_of_force
 
@@ -44,17 +45,17 @@ ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane stand
 class PlanesOnNodes:
     """The planes that act on a body's nodes."""
 
-    def __init__(self, interactions: Sequence[Interaction], nodes: Nodes, surface: Indices) -> None:
-        """Find which of the nodes each plane may act on; of a wall those of the ``surface``.
+    def __init__(self, interactions: Sequence[Interaction], nodes: Nodes) -> None:
+        """Find which nodes stand on planes that hold what does; a wall may meet any of them.
 
         Raises:
             InputError: no node stands on a plane that holds what stands on it.
         """
         self.interactions = tuple(interactions)
         self.slot_of = np.full(len(nodes.mass), -1)
+        self.redistributes = bool((nodes.partner >= 0).any())
         self.reactions = np.zeros((len(self.interactions), REACTIONS))  # of each, since the start
-        self._planes = [(each.plane, _reached(each, nodes.position, surface)) for each in self.interactions]
-        self.most = sum(len(candidates) for _, candidates in self._planes)
+        self._planes = [(each.plane, _held(each, nodes.position)) for each in self.interactions]
 
     def find(self, rows: Rows, body: int, first: int, nodes: Nodes, time: float, flight: float) -> Rows:
         """Add the rows of all planes to those of other bodies.
@@ -67,53 +68,64 @@ class PlanesOnNodes:
             time: half a step [ms].
             flight: how long nodes will move with that velocity [ms].
         """
-        rows = with_room(rows, self.most)
-        for number, (plane, candidates) in enumerate(self._planes):
-            meet(
-                nodes, plane, candidates, self.slot_of, rows, body, first + number, time, flight, self.reactions[number]
-            )
+        for number, (plane, held) in enumerate(self._planes):
+            if not plane.two_sided:
+                approach(nodes, plane, flight)
+                held = np.flatnonzero(nodes.pressed)
+            if len(held):
+                rows = with_room(rows, len(held))
+                account = self.reactions[number]
+                meet(nodes, plane, held, self.slot_of, rows, body, first + number, time, flight, account)
         return rows
 
     def resume(self, rows: Rows, body: int, nodes: Nodes, time: float) -> None:
         """Bring up to date what rows know of this body's nodes, and balance nodes that stand on a wall."""
-        for number, (plane, candidates) in enumerate(self._planes):
-            if not plane.two_sided:
-                stand_still(nodes, plane, candidates, time, self.reactions[number])
+        for number, (plane, _) in enumerate(self._planes):
+            if not plane.two_sided and self.redistributes:
+                stand_still(nodes, plane, time, self.reactions[number])
         if rows.size[1] > 0:
             reload(nodes, rows, body, time)
 
 
-def _reached(interaction: Interaction, position: Array, surface: Indices) -> Indices:
-    """Return the nodes that a plane may act on, those that it meets first first."""
+def _held(interaction: Interaction, position: Array) -> Indices:
+    """Return the nodes that a plane holds for good."""
     plane = interaction.plane
     normal, point = np.array(plane.normal), np.array(plane.point)
-    height = (position - point) @ normal
     if not interaction.holds:
-        return surface[np.argsort(height[surface], kind="stable")]
-    on = np.flatnonzero(np.abs(height) <= ON_PLANE * np.ptp(position, axis=0).max())
+        return np.empty(0, np.int64)
+    on = np.flatnonzero(np.abs((position - point) @ normal) <= ON_PLANE * np.ptp(position, axis=0).max())
     if not len(on):
         place, along = ("({:g}, {:g}, {:g})".format(*words) for words in (point, normal))
         raise InputError(f"no node stands on the plane through {place} mm normal to {along}, which holds what does")
     return on
 
 
+@kernel()
+def approach(part: int, nodes: Nodes, plane: Plane, flight: float) -> None:
+    """Note which nodes would pass a wall within ``flight``, or stand on it."""
+    normal, point = read_vector(plane.normal), read_vector(plane.point)
+    for n in chunk(part, PARTS, len(nodes.mass)):
+        gap = dot(read_vector(nodes.position[n]) - point, normal)
+        passes = dot(read_vector(nodes.velocity[n]), normal) < plane.speed - gap / flight
+        nodes.pressed[n] = passes or nodes.normal_mass[n] == 0.0
+
+
 @serial_kernel
 def meet(
-    nodes: Nodes, plane: Plane, candidates: Indices, slot_of: Indices, rows: Rows, body: int, owner: int, time: float,
+    nodes: Nodes, plane: Plane, found: Indices, slot_of: Indices, rows: Rows, body: int, owner: int, time: float,
     flight: float, reactions: Array,
 ) -> None:  # fmt: skip
-    """Let a plane act on what is on it, or would pass it within ``flight``."""
+    """Let a plane act on nodes that it holds, or that are on it or would pass it within ``flight``."""
     normal, point = read_vector(plane.normal), read_vector(plane.point)
-    for n in candidates:
-        if nodes.normal_mass[n] == 0.0 and not plane.two_sided:
-            stand(nodes, n, plane, time, reactions)
-            continue
+    for n in found:
         least = plane.speed
         if not plane.two_sided:
-            least -= dot(read_vector(nodes.position[n]) - point, normal) / flight  # leads just onto the plane
-            nodes.pressed[n] = dot(read_vector(nodes.velocity[n]), normal) < least
-            if not nodes.pressed[n]:
+            if nodes.normal_mass[n] == 0.0:
+                stand(nodes, n, plane, time, reactions)
                 continue
+            least -= dot(read_vector(nodes.position[n]) - point, normal) / flight  # leads just onto the plane
+            if not dot(read_vector(nodes.velocity[n]), normal) < least:
+                continue  # one that touched before has slowed it down
             if nodes.partner[n] >= 0:
                 touch(nodes, n, least, reactions)
                 continue
@@ -125,9 +137,9 @@ def meet(
 
 
 @serial_kernel
-def stand_still(nodes: Nodes, plane: Plane, candidates: Indices, time: float, reactions: Array) -> None:
+def stand_still(nodes: Nodes, plane: Plane, time: float, reactions: Array) -> None:
     """Balance the nodes that stand on a wall."""
-    for n in candidates:
+    for n in range(len(nodes.mass)):
         if nodes.normal_mass[n] == 0.0:
             stand(nodes, n, plane, time, reactions)
 

@@ -103,22 +103,28 @@ def load_slot(rows: Rows, s: int, before: Vec, velocity: Vec, inverse_mass: Vec)
 
 
 @serial_kernel
-def solve(rows: Rows, reactions: Array) -> None:
-    """Find the impulses, let the slots have their velocities, and add to ``reactions[owner, REACTIONS]``."""
-    count = rows.size[0]
-    for r in range(count):
+def solve(rows: Rows, begin: int, end: int, reactions: Array) -> None:
+    """Find the impulses of the rows ``begin`` to ``end``, which share no node with others.
+
+    Their slots have the velocities then, and ``reactions[owner, REACTIONS]`` what the impulses were and did.
+    """
+    least, most = np.int64(len(rows.motion)), np.int64(-1)  # slots
+    for r in range(begin, end):
         for column in range(LAMBDA, ROW):
             rows.row[r, column] = 0.0
+        for k in range(rows.start[r], rows.start[r + 1]):
+            least, most = min(least, rows.slot[k]), max(most, rows.slot[k])
+    alone = rows.start[end] - rows.start[begin] == most - least + 1  # each slot in one row
     first = 0.0
-    for sweep in range(SWEEPS if rows.start[count] > rows.size[1] else 1):
-        most = 0.0
-        for r in range(count):
-            most = max(most, _relax(rows, r))
+    for sweep in range(1 if alone else SWEEPS):
+        change = 0.0
+        for r in range(begin, end):
+            change = max(change, _relax(rows, r))
         if sweep == 0:
-            first = most
-        elif most <= CLOSE * first:
+            first = change
+        elif change <= CLOSE * first:
             break
-    for r in range(count):
+    for r in range(begin, end):
         _account(rows, r, reactions[rows.owner[r]])
 
 
@@ -190,7 +196,9 @@ def _push(rows: Rows, r: int, direction: Vec, change: float, inverse: float) -> 
         w, motion = rows.weight[k], rows.motion[rows.slot[k]]
         for a in range(3):
             part = direction.x if a == 0 else direction.y if a == 1 else direction.z
-            motion[VELOCITY + a] += (w * motion[INVERSE + a] / inverse) * (part * change)
+            own = w * motion[INVERSE + a]
+            share = 1.0 if own == inverse else own / inverse  # divisions by the same number become its reciprocal
+            motion[VELOCITY + a] += share * (part * change)
 
 
 @inline

@@ -9,7 +9,7 @@ from viscopoint.integrators.central_differences import CentralDifferences
 from viscopoint.interactions.on_nodes import PlanesOnNodes, settle, take_velocity
 from viscopoint.interactions.planes import Interaction
 from viscopoint.interactions.rows import FRICTION_WORK, NORMAL_WORK, Rows
-from viscopoint.kernels.arrays import AnyArray, Array, Indices
+from viscopoint.kernels.arrays import AnyArray, Array
 from viscopoint.kernels.slabs import CHUNKS
 from viscopoint.materials import Material
 from viscopoint.materials.block import MaterialBlock
@@ -35,9 +35,9 @@ class LagrangianBody(ABC):
         self.time_step_factor = time_step_factor
         self.sound = float(np.sqrt(material.p_wave_modulus / material.density))  # of the undeformed material, mm/ms
 
-    def act_on(self, interactions: Sequence[Interaction], surface: Indices) -> None:
-        """Let interactions act on the nodes; walls on those of the ``surface``."""
-        self.planes = PlanesOnNodes(interactions, self.nodes, surface)
+    def act_on(self, interactions: Sequence[Interaction]) -> None:
+        """Let interactions act on the nodes."""
+        self.planes = PlanesOnNodes(interactions, self.nodes)
 
     @property
     def reactions(self) -> Array:

@@ -36,7 +36,6 @@ class Form(NamedTuple):
     point_volumes: Callable[[Array, Indices], Array]  # that each integration point of a full rule stands for, mm^3
     scaled_jacobians: Callable[[Array, Indices], Array]  # 1 for a brick, 0 where an element degenerates
     free: Callable[[Array], Array]  # of positions [n, 3]: 0 along axes along which a node cannot move, else 1
-    outer: Callable[[Indices], Indices]  # the faces, or edges, that belong to one element only
     cell: Any  # of ``cells``
     moving: tuple[float, float, float]  # 1 for the axes along which the whole body has a momentum, 0 for the others
 
@@ -163,4 +162,4 @@ def outer_faces(corner: Indices) -> Indices:
     return faces[np.sort(order[alone])]
 
 
-HEXAHEDRA = Form(EDGES, point_volumes, scaled_jacobians, np.ones_like, outer_faces, Hexahedron(), (1.0, 1.0, 1.0))
+HEXAHEDRA = Form(EDGES, point_volumes, scaled_jacobians, np.ones_like, Hexahedron(), (1.0, 1.0, 1.0))

@@ -65,7 +65,6 @@ QUADRILATERALS = Form(
     point_volumes=point_volumes,
     scaled_jacobians=scaled_jacobians,
     free=off_the_axis,
-    outer=outer_edges,
     cell=Ring(),
     moving=(0.0, 0.0, 1.0),
 )

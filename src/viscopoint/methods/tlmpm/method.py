@@ -75,7 +75,7 @@ class TotalLagrangianMethod(LagrangianBody):
         self.extension, self.nodes = self._nodes(choices)
         self.reference: Array = self.nodes.position.copy()
         self._redistribute(interactions, choices.cell)
-        self.act_on(interactions, np.arange(len(self.reference)))
+        self.act_on(interactions)
         free = (self.nodes.inverse_mass > 0.0).astype(float)
         self.stable_length = stable_length(
             self.points, self.lattice, self.shape, self.extension, self.nodes.mass, free, material.density

@@ -1,0 +1,70 @@
+"""Bodies that never touch: together they have the bits that each has alone, in the same steps."""
+
+from typing import Any
+
+import bricks
+import columns
+import lagrangian
+import numpy as np
+from numpy.testing import assert_array_equal
+
+import viscopoint as vp
+from viscopoint.integrators.central_differences import CentralDifferences
+from viscopoint.interactions.planes import rigid_wall, symmetry_plane
+from viscopoint.materials.elastic import Elastic
+from viscopoint.model.build import Model, build
+from viscopoint.model.simulation import Simulation
+
+SOFT = Elastic(density=2e-3, bulk=300.0, shear=100.0)
+FALLING = (20.0, 5.0, -100.0)
+
+
+def bodies() -> list[Any]:
+    """Return a body of each method, of two materials; the last one stands on rollers as well."""
+    sides = (rigid_wall(0.0, 0.2), symmetry_plane(0, -1.0))
+    uneven = bricks.brick((2.0, 2.0, 3.0), (3, 3, 4), shake=0.1)
+    return [
+        bricks.fem(uneven, bricks.STIFF, bricks.ELASTIC, walls(0.3), FALLING),
+        lagrangian.brick((2, 2, 3), SOFT, walls(0.1), lagrangian.flying(*FALLING)),
+        columns.rod(velocity=FALLING, walls=walls(0.2), contact="gated", shape="quadratic"),
+        bricks.fem(bricks.brick((2.0, 2.0, 2.0), (3, 3, 3)), bricks.SELECTIVE, SOFT, sides, (0.0, 0.0, -80.0)),
+    ]
+
+
+def walls(friction: float) -> tuple[Any, ...]:
+    return (rigid_wall(0.0, friction),)
+
+
+def test_bodies_that_never_touch_have_the_bits_that_each_has_alone() -> None:
+    together, steps = bodies(), []
+    integrator = CentralDifferences(together)
+    for _ in range(60):
+        dt = min(body.stable_step() for body in together)
+        integrator.advance(dt)
+        steps.append(dt)
+    for alone, other in zip(bodies(), together, strict=True):
+        for dt in steps:
+            alone.advance(dt)
+        assert abs(alone.reactions[0, 2]) > 0.0  # it has hit the wall
+        for name, values in alone.state().items():
+            assert_array_equal(values, other.state()[name], name)
+
+
+def test_a_simulation_of_two_bodies_keeps_a_balance_for_each() -> None:
+    rod = vp.Case.load("paper", {"time.end": "4 us", "time.snapshots": ["2 us"]})
+    cases = [
+        rod.with_(method={"name": "tlmpm", "spacing": "0.76 mm"}),
+        rod.with_(method={"name": "fem", "size": "1 mm"}),
+    ]
+    methods = [build(case).method for case in cases]
+    simulation = Simulation(Model(cases[0], tuple(methods)))
+    outcome = simulation.run()
+    assert outcome.status == "complete"
+    steps = simulation.balances[0].rows[-1].step
+    assert steps == simulation.balances[1].rows[-1].step == outcome.steps
+    for balance in simulation.balances:
+        assert [row.time for row in balance.rows] == [0.0, 0.002, 0.004]
+        start, end = balance.rows[0], balance.rows[-1]
+        assert end.kinetic < start.kinetic
+        assert abs(end.numerical) < 0.01 * start.kinetic
+    assert not np.isclose(simulation.balances[0].rows[-1].stored, simulation.balances[1].rows[-1].stored, rtol=1e-6)

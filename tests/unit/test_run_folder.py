@@ -63,7 +63,7 @@ def test_history_has_a_unit_for_every_column(finished: Path):
     assert history["step"].tolist() == list(range(len(history)))
 
 
-def test_ledger_rows_close(finished: Path):
+def test_rows_of_the_energy_balance_close(finished: Path):
     history = vp.Run(finished).history
     terms = ["kinetic", "stored", "dissipated", "hypoelastic", "viscous", "contact", "friction", "numerical"]
     total = history[terms].sum(axis=1)

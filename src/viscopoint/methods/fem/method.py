@@ -67,8 +67,8 @@ class FiniteElementMethod(LagrangianBody):
             body.cells, volume, self.block, self.element.hourglass_modes, choices.real
         )
         self.slabs = slabs(body.position, body.cells)
-        surface = np.arange(len(body.position)) if choices.delete_below else np.unique(self.form.outer(body.cells))
-        self.act_on(interactions, surface)
+        # inner nodes too: in a violent impact, or where elements are deleted, they get to a wall
+        self.act_on(interactions, np.arange(len(body.position)))
         count = len(self.slabs.start) - 1
         self.critical = np.full(count, np.inf)
         self.limits = Limits(self.critical, np.full(count, -1), -1.0)

@@ -9,7 +9,7 @@ import pyvista
 
 import viscopoint as vp
 from viscopoint.results.output import fields as field_file
-from viscopoint.results.verify import compare_bits
+from viscopoint.results.verify import TIMED, UNKNOWN, compare_bits
 
 
 def test_snapshots_are_hit_exactly(finished: Path):
@@ -164,8 +164,12 @@ def test_a_run_of_an_older_format_is_read_compared_and_drawn(tmp_path: Path):
     older = unpacked(5, tmp_path / "older")
     now = vp.run(older.case, tmp_path / "now", figures=False)
     verdict = compare_bits(older, now)
-    # another processor or compiler may round otherwise
-    assert [found for found in verdict.differences if found.greatest > 1e-9] == []
+    # another processor or compiler may round otherwise; the summary is compared as text
+    beyond = [found for found in verdict.differences if found.greatest > 1e-9 and found.place != "the summary"]
+    assert beyond == []
+    summaries = [run.results.model_dump(exclude=TIMED | UNKNOWN) for run in (older, now)]
+    before, after = ({**words, **words.pop("mesh")} for words in summaries)
+    assert before == pytest.approx(after, rel=0, abs=1e-9)
     assert verdict.notes[0].startswith("sources: ")
     assert older.draw()
 

@@ -16,6 +16,7 @@ from viscopoint.kernels import cache_folder as folders
 
 STRANGER = 12345  # a user id that is neither ours nor root's
 
+
 def python(code: str, **settings: str | Path) -> tuple[str, str]:
     """Run code in a new process; return what it printed as results and as messages."""
     environment = os.environ | {key: str(value) for key, value in settings.items()}

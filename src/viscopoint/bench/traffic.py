@@ -104,7 +104,12 @@ PASSES: dict[str, tuple[Pass, ...]] = {
         _STAND,
     ),
     "fem, selective": (
-        _KICK, _MEET, _DRIFT, Pass("strain_selective", _STRAIN_READS, _STRAIN_WRITES), _KICK, _STAND,
+        _KICK,
+        _MEET,
+        _DRIFT,
+        Pass("strain_selective", _STRAIN_READS, _STRAIN_WRITES),
+        _KICK,
+        _STAND,
     ),  # fmt: skip
 }
 

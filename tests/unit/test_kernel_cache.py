@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 from watched import ALL, ELASTIC
 
 import viscopoint as vp

@@ -203,7 +203,7 @@ def saved(kernel: Any, which: list[int], monkeypatch: pytest.MonkeyPatch, look: 
 
     ``which`` are the combinations of types that they save.
     """
-    half, dumps = threading.Barrier(len(which) + 1), kernel_cache.dumps
+    half, dumps = threading.Barrier(len(which) + 1), kernel_cache.dumps  # pyright: ignore[reportPrivateImportUsage]
     replace = Path.replace
 
     def slowly(*words: Any) -> bytes:
@@ -215,7 +215,7 @@ def saved(kernel: Any, which: list[int], monkeypatch: pytest.MonkeyPatch, look: 
         return replace(file, target)
 
     monkeypatch.setattr(kernel_cache, "dumps", slowly)
-    monkeypatch.setattr(kernel_cache.Path, "replace", when_all_have_written)
+    monkeypatch.setattr(Path, "replace", when_all_have_written)
     overloads = [*kernel.overloads.items()]
     threads = [
         threading.Thread(target=jit.serial_kernel(twice)._cache.save_overload, args=overloads[number])  # pyright: ignore[reportFunctionMemberAccess]

@@ -110,7 +110,7 @@ PASSES: dict[str, tuple[Pass, ...]] = {
         Pass("strain_selective", _STRAIN_READS, _STRAIN_WRITES),
         _KICK,
         _STAND,
-    ),  # fmt: skip
+    ),
 }
 
 

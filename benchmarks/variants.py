@@ -24,9 +24,8 @@ from columns import DENSITY, LENGTH, Array, viscoelastic
 
 from viscopoint.methods.mpm.shapes import SHAPES
 from viscopoint.methods.mpm.transfers import Transfer
-from viscopoint.methods.mpm.transfers.affine_pic import Apic
+from viscopoint.methods.mpm.transfers.affine_pic import Apic, Tpic
 from viscopoint.methods.mpm.transfers.flip import Flip
-from viscopoint.methods.mpm.transfers.affine_pic import Tpic
 from viscopoint.methods.tlmpm.volumes import VOLUMES
 
 ORDER = ("trilinear", "gimp", "cpgimp", "quadratic", "cubic")

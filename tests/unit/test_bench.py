@@ -22,8 +22,8 @@ from viscopoint.model.build import build
 from viscopoint.model.method import Method
 
 TINY = [Work(*variant, PAPER_LAW, "3k") for variant in VARIANTS]
-# the body at the start, and what only the foot's nodes on the wall ask for
-SELDOM = ("body.position", "body.volume", "body.cells", "reference", "nodes.partner")
+# the body at the start, what only the foot's nodes on the wall ask for, and what points ask for in sums alone
+SELDOM = ("body.position", "body.volume", "body.cells", "reference", "nodes.partner", "points.shared.alive")
 
 
 def call(*words: str | Path) -> tuple[int, str, str]:
@@ -84,11 +84,12 @@ def test_bytes_of_a_step_are_those_of_the_arrays_that_passes_name():
     work = next(work for work in TINY if work.name.startswith("fem selective"))
     method = build(case_of(work)).method
     elements, nodes = len(arrays_of(method)["elements.shared.alive"]), len(method.positions())
-    law = 8 * (1 + 8 * 6 + 8 * 6 + 8 + 8 + 1 + 1)  # J; stress, arm's stress and two losses of each point; viscosity
-    answer = elements * (8 + 1 + 8 * 4 + 8 * 8 + 2 * law) + nodes * (3 + 1) * 24  # order, alive, corners, volumes
-    set_off = nodes * (3 * 24 + 8 + 1 + 3 * 24 + 1)  # position, velocity, force; mass, fixed, pressed
-    arrive = nodes * (2 * 24 + 8 + 1 + 1 + 24)
-    assert bytes_per_step(method, passes_of(work)) == answer + set_off + arrive
+    material = 8 * (8 * (6 + 6 + 1 + 1) + 3)  # stress, arm's stress and two losses of each point; J and viscosity
+    answer = elements * (8 + 1 + 8 * 4 + 8 * 8 + 2 * material) + nodes * (3 + 1) * 24  # order, alive, corners, volumes
+    kick = nodes * (4 * 24 + 2 * 8)  # velocity, twice, force, inverse mass; two masses
+    meet, stand = nodes * (8 + 2 * 24 + 1), nodes * 8  # the mass that meets the wall; place, velocity; pressed
+    drift = nodes * 4 * 24
+    assert bytes_per_step(method, passes_of(work)) == 2 * kick + meet + drift + answer + stand
 
 
 def test_bytes_held_count_an_array_once():

@@ -11,15 +11,15 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from viscopoint.case.case import Case
 from viscopoint.kernels.arrays import Array
-from viscopoint.kernels.jit import serial_kernel
+from viscopoint.kernels.jit import PARTS, serial_kernel
 from viscopoint.kernels.logarithm import log
-from viscopoint.kernels.slabs import COLOURS, PARTS, part_of
+from viscopoint.kernels.slabs import COLOURS, coloured_slabs_of, slabs_of
 from viscopoint.kernels.values import pick
-from viscopoint.kernels.workspace import BLOCK, columns, keep, kept, workspace
+from viscopoint.kernels.workspace import BLOCK, HISTORY, columns, load, load_tuple, store, workspace
 from viscopoint.model.build import build
 
 ROUNDING = np.finfo(float).eps
-FIRST, SECOND, THIRD, HISTORY = columns(1, 3, 1)
+FIRST, SECOND, THIRD, _ = columns(1, 3, 1)
 
 
 @serial_kernel
@@ -41,17 +41,17 @@ def test_logarithm_is_that_of_the_library() -> None:
 
 @serial_kernel
 def there_and_back(rows: Array, histories: Array, blank: Any) -> None:
-    work = workspace(blank)
+    work = workspace(len(blank))  # pyright: ignore[reportCallIssue]  (an intrinsic)
     for i in range(len(rows)):
-        keep(work, FIRST, i, rows[i, 0])
-        keep(work, SECOND, i, (rows[i, 1], rows[i, 2], rows[i, 3]))
-        keep(work, THIRD, i, rows[i, 4])
-        keep(work, HISTORY, i, (histories[i, 0], histories[i, 1]))
+        store(work, FIRST, i, rows[i, 0])
+        store(work, SECOND, i, (rows[i, 1], rows[i, 2], rows[i, 3]))
+        store(work, THIRD, i, rows[i, 4])
+        store(work, HISTORY, i, (histories[i, 0], histories[i, 1]))
     for i in range(len(rows)):
-        rows[i, 0] = kept(work, FIRST, i, 0.0)
-        x, y, z = kept(work, SECOND, i, (0.0, 0.0, 0.0))
-        rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4] = x, y, z, kept(work, THIRD, i, 0.0)
-        histories[i, 0], histories[i, 1] = kept(work, HISTORY, i, blank)
+        rows[i, 0] = load(work, FIRST, i)
+        x, y, z = load_tuple(work, SECOND, i, (0.0, 0.0, 0.0))
+        rows[i, 1], rows[i, 2], rows[i, 3], rows[i, 4] = x, y, z, load(work, THIRD, i)
+        histories[i, 0], histories[i, 1] = load_tuple(work, HISTORY, i, blank)
 
 
 def test_quantities_of_a_block_do_not_share_memory() -> None:
@@ -81,11 +81,12 @@ def test_pick_takes_each_of_a_tuple(values: tuple[float, ...]) -> None:
 @pytest.mark.parametrize("counts", [[5], [0, 0, 7, 0], [0] * 4, [3] * 100, [1000, *[1] * 60], [0, 9, *[4] * 30, 0, 0]])
 def test_parts_take_every_slab_once_and_about_as_many_points(counts: list[int]) -> None:
     start, slabs = np.concatenate([[0], np.cumsum(counts)]), len(counts)
-    taken = [list(part_of(start, slabs, part)) for part in range(PARTS)]
+    taken = [list(slabs_of(start, slabs, part)) for part in range(PARTS)]
     assert list(chain(*taken)) == list(range(slabs))
-    by_colour = [list(part_of(start, slabs, part, c, COLOURS)) for c in range(COLOURS) for part in range(PARTS)]
+    by_colour = [list(coloured_slabs_of(start, slabs, part)) for part in range(COLOURS * PARTS)]
     assert sorted(chain(*by_colour)) == list(range(slabs))
-    assert all(len({slab % COLOURS for slab in slabs_}) <= 1 for slabs_ in by_colour)
+    for number, some in enumerate(by_colour):  # all parts of a colour follow one another
+        assert all(slab % COLOURS == number // PARTS for slab in some)
     points = [sum(counts[slab] for slab in slabs_) for slabs_ in taken]
     assert max(points) <= sum(counts) / PARTS + max(counts)
 

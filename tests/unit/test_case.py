@@ -202,11 +202,11 @@ def test_choices_of_the_material_point_method_reach_it():
     assert isinstance(model.method, MaterialPointMethod)
     assert model.method.shape == Gimp(0.5 * 0.38 / 0.5)
     assert model.method.volume is CellMean
-    assert model.method.gate is Gated
+    assert model.method.planes._contact is Gated
     assert len(model.body.position) == 67 * 300
     plain = build(vp.Case.load("paper")).method
     assert isinstance(plain, MaterialPointMethod)
-    assert (plain.shape, plain.volume, plain.gate) == (Trilinear(), Local, Nodes)
+    assert (plain.shape, plain.volume, plain.planes._contact) == (Trilinear(), Local, Nodes)
     assert len(plain.body.position) == 21_172
     assert len(plain.points.stretch) == 0  # which nobody asks for
 

@@ -202,7 +202,7 @@ def test_summary_and_provenance_speak_of_elements(done: vp.Run):
 # --- a mesh that tangles ---
 
 
-def test_a_tangled_mesh_stops_with_element_place_time_and_advice(tmp_path: Path):
+def test_a_tangled_mesh_stops_with_element_place_time_and_hints(tmp_path: Path):
     # five times the speed of sound
     changes = {"method.size": "1.9 mm", "impact.speed": "4000 m/s", "time.snapshots": []}
     words = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
@@ -211,8 +211,8 @@ def test_a_tangled_mesh_stops_with_element_place_time_and_advice(tmp_path: Path)
     told = " ".join(out.split())
     assert "INCOMPLETE (stopped at t = " in told
     assert re.search(r"element \d+, at \(\S+, \S+, \S+\) mm, is turned inside out", told)
-    for advice in ("method.size", "smaller impact speed", "method.delete_below", "material point method"):
-        assert advice in told
+    for hint in ("method.size", "smaller impact speed", "method.delete_below", "material point method"):
+        assert hint in told
     run = vp.Run(tmp_path / "run")
     assert run.status == "stopped"
     assert len(run.times) == len(run.rows) == 2

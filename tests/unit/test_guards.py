@@ -10,7 +10,7 @@ from viscopoint.model.guards import GuardError, check_row, check_step
 from viscopoint.model.method import FailureHints, Totals
 
 METHOD: Any = SimpleNamespace(
-    advice=FailureHints._make(["because"] * 6 + ["points lost"]), weakest=lambda: "element 7 is thin"
+    failure_hints=FailureHints._make(["because"] * 6 + ["points lost"]), limiting_element=lambda: "element 7 is thin"
 )
 START: Any = Totals.of_flat([100.0, *[0.0] * 14, 1.0])
 ROW = Row._make([0] * len(Row._fields))._replace(time=0.0123, numerical=1.0)
@@ -33,7 +33,7 @@ def test_what_is_not_finite_is_named_with_time_and_cause(name: str, value: float
 
 
 @pytest.mark.parametrize("missing", [5.1, -5.1])
-def test_an_open_energy_ledger_stops(missing: float):
+def test_an_open_energy_balance_stops(missing: float):
     with pytest.raises(GuardError, match=r"5\.1 % of the initial kinetic energy \(guards.energy_error allows 5 %\)"):
         check_row(ROW._replace(numerical=missing), START, Guards(), METHOD)
     check_row(ROW._replace(numerical=missing), START, Guards(energy_error=0.06), METHOD)

@@ -8,23 +8,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from watched import ALL, ELASTIC
 
 import viscopoint as vp
-from viscopoint.kernels import cache as kernel_cache
+from viscopoint.kernels import cache_folder as folders
 
 STRANGER = 12345  # a user id that is neither ours nor root's
-
-KERNEL = """
-import numpy as np
-from viscopoint.materials.elastic import Elastic
-from viscopoint.methods.mpm.stress import sum_points
-from viscopoint.methods.mpm.points import at_rest
-points = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
-points.shared.jacobian[:] = 0.9
-sums = np.zeros((64, 9))
-sum_points(points, Elastic(1e-3, 100.0, 10.0), (), sums)
-print(sums[:, 1].sum(), sum(sum_points.stats.cache_hits.values()))
-"""
 
 
 def python(code: str, **settings: str | Path) -> tuple[str, str]:
@@ -39,7 +28,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, named: Path, usual: Path) -> Path:
     """Return the cache folder of a new process with a folder named and a user's one."""
     monkeypatch.setenv("VISCOPOINT_CACHE", str(named))
     monkeypatch.setattr("platformdirs.user_cache_path", lambda name: usual / name)
-    return kernel_cache.cache_folder.__wrapped__()
+    return folders.cache_folder.__wrapped__()
 
 
 def given_away(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -74,7 +63,7 @@ def test_a_cache_that_others_could_have_written_to_is_told_and_not_used(
 ):
     cache, usual = tmp_path / "way" / "cache", tmp_path / "usual"
     folder = opened(monkeypatch, cache, usual)
-    inside = folder / "mpm" / "code.nbi"
+    inside = folder / "mpm" / "kernel.code"
     inside.parent.mkdir(mode=0o700)
     inside.write_bytes(b"code")
     inside.chmod(0o600)
@@ -117,17 +106,17 @@ class Payload:
 
 def test_planted_code_is_not_executed(tmp_path: Path):
     cache, mark = tmp_path / "cache", tmp_path / "mark"
-    sound, _ = python(KERNEL, VISCOPOINT_CACHE=cache, XDG_CACHE_HOME=tmp_path / "usual")
-    indices = list(cache.rglob("*.nbi"))
-    assert indices
-    for index in indices:
-        index.write_bytes(pickle.dumps(Payload(mark)))
-    python(f"import pickle; pickle.load(open({str(indices[0])!r}, 'rb'))")
+    sound, _ = python(ELASTIC, VISCOPOINT_CACHE=cache, XDG_CACHE_HOME=tmp_path / "usual")
+    files = list(cache.rglob("*.code"))
+    assert files
+    for file in files:
+        file.write_bytes(pickle.dumps(Payload(mark)))
+    python(f"import pickle; pickle.load(open({str(files[0])!r}, 'rb'))")
     assert mark.exists()  # such a file does what its author wants
     mark.unlink()
     for folder in cache.glob("kernels-*"):
         folder.chmod(0o777)  # as one that another user made for us
-    found, messages = python(KERNEL, VISCOPOINT_CACHE=cache, XDG_CACHE_HOME=tmp_path / "usual")
+    found, messages = python(ELASTIC, VISCOPOINT_CACHE=cache, XDG_CACHE_HOME=tmp_path / "usual")
     assert not mark.exists()
     assert found == sound
     assert "others can write to" in messages
@@ -140,8 +129,8 @@ def test_without_any_cache_a_private_one_ends_with_the_process(tmp_path: Path):
     planted = place / f"viscopoint-{os.getuid()}"  # where earlier versions looked
     planted.mkdir(mode=0o777)
     settings = {"HOME": blocked, "XDG_CACHE_HOME": blocked, "VISCOPOINT_CACHE": blocked, "TMPDIR": place}
-    told = "from viscopoint.kernels.cache import cache_folder as f; print(f(), oct(f().stat().st_mode & 0o777))"
-    out, messages = python(KERNEL + told, **settings)
+    told = "from viscopoint.kernels.cache_folder import cache_folder as f; print(f(), oct(f().stat().st_mode & 0o777))"
+    out, messages = python(ELASTIC + told, **settings)
     folder, mode = out.splitlines()[1].split()
     assert Path(folder).parent == place
     assert mode == "0o700"
@@ -152,19 +141,19 @@ def test_without_any_cache_a_private_one_ends_with_the_process(tmp_path: Path):
 
 
 def test_what_is_kept_is_ours_alone_whatever_the_mask_and_used_again(tmp_path: Path):
-    open_to_all = "import os; os.umask(0)\n" + KERNEL
+    open_to_all = "import os; os.umask(0)\n" + ELASTIC
     cold, _ = python(open_to_all, VISCOPOINT_CACHE=tmp_path)
-    kept = list(tmp_path.rglob("*.nb?"))
+    kept = list(tmp_path.rglob("*.code"))
     assert kept
     for path in (*kept, *(path for path in tmp_path.rglob("*") if path.is_dir())):
         assert path.stat().st_mode & 0o022 == 0, path
     warm, messages = python(open_to_all, VISCOPOINT_CACHE=tmp_path)
-    assert (warm.split()[0], warm.split()[1], messages) == (cold.split()[0], "1", "")
+    assert (warm.split(), messages) == ([cold.split()[0], str(len(ALL))], "")
 
 
 def test_code_of_other_settings_of_the_compiler_is_not_mixed_up(tmp_path: Path):
-    hits = [
-        python(KERNEL, VISCOPOINT_CACHE=tmp_path, **settings)[0].split()[1]
+    loaded = [
+        python(ELASTIC, VISCOPOINT_CACHE=tmp_path, **settings)[0].split()[1]
         for settings in ({}, {"NUMBA_OPT": "1"}, {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}, {})
     ]
-    assert hits == ["0", "0", "0", "1"]
+    assert loaded == ["0", "0", "0", str(len(ALL))]

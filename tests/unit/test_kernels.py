@@ -1,95 +1,132 @@
-import ast
+"""Compiled code: never stale, never mixed up, and compiled again only where it would be another."""
+
 import os
 import shutil
-import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
 from typing import Any
 
 import pytest
-from numba.core.caching import IndexDataCacheFile
+from watched import ALL, ELASTIC, WATCH, run_python, start, told
 
 import viscopoint
 from viscopoint.kernels import cache as kernel_cache
+from viscopoint.kernels import cache_folder as folders
 from viscopoint.kernels import jit, outside
 
 PACKAGE = Path(viscopoint.__file__).parent
+LOADED = str(len(ALL))
 
 
-def stores(function: ast.FunctionDef) -> list[ast.expr]:
-    """Return what the statements of a function assign to."""
-    targets: list[ast.expr] = []
-    for node in ast.walk(function):
-        if isinstance(node, ast.Assign):
-            targets += node.targets
-        elif isinstance(node, ast.AugAssign):
-            targets.append(node.target)
-    return targets
+def copied(place: Path) -> Path:
+    """Return a copy of the package."""
+    return Path(shutil.copytree(PACKAGE, place / "viscopoint", ignore=shutil.ignore_patterns("__pycache__")))
 
 
-def test_no_kernel_stores_through_an_attribute():
-    # Numba drops such stores inside prange (see viscopoint.kernels.jit.kernel)
-    functions = [
-        node
-        for source in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(source.read_text()))
-        if isinstance(node, ast.FunctionDef) and "kernel" in map(ast.unparse, node.decorator_list)
-    ]
-    assert len(functions) >= 8
-    lost = [
-        f"{function.name}: {ast.unparse(target)}"
-        for function in functions
-        for target in stores(function)
-        if isinstance(target, ast.Subscript) and isinstance(target.value, ast.Attribute)
-    ]
-    assert lost == []
+def edit(file: Path, old: str, new: str) -> None:
+    """Change a text that stands in a file once."""
+    text = file.read_text()
+    assert text.count(old) == 1
+    file.write_text(text.replace(old, new))
 
 
-def python(code: str, package: Path, **settings: Path) -> subprocess.Popen[str]:
-    """Start code in a new process on a copy of the package, with settings of its own."""
-    environment = {key: value for key, value in os.environ.items() if key != "VISCOPOINT_CACHE"}
-    environment |= {"PYTHONPATH": str(package.parent), **{key: str(value) for key, value in settings.items()}}
-    return subprocess.Popen([sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, text=True)
-
-
-def told(process: subprocess.Popen[str]) -> list[str]:
-    """Return the words that a process printed."""
-    out, _ = process.communicate()
-    assert process.returncode == 0
-    return out.split()
-
-
-def run_python(code: str, package: Path, cache: Path) -> list[str]:
-    return told(python(code, package, VISCOPOINT_CACHE=cache))
-
-
-LAW_IN_KERNEL = """
-import numpy as np
-from viscopoint.kernels.jit import serial_kernel
-from viscopoint.materials.elastic import Elastic
-from viscopoint.methods.mpm.stress import sum_points
-from viscopoint.methods.mpm.points import at_rest
-points = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
-points.shared.jacobian[:] = 0.9
-sums = np.zeros((64, 9))
-sum_points(points, Elastic(1e-3, 100.0, 10.0), (), sums)
-print(sums[:, 1].sum(), sum(sum_points.stats.cache_hits.values()))
-"""
-
-
-def test_an_edited_law_is_never_run_stale_and_a_warm_start_compiles_nothing(tmp_path: Path):
-    copy = tmp_path / "copy" / "viscopoint"
-    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    cold, hits = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
-    assert hits == "0"
-    warm, hits = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
-    assert (warm, hits) == (cold, "1")
-    law = copy / "materials" / "__init__.py"
-    law.write_text(law.read_text().replace("return bulk * (", "return 2.0 * bulk * ("))
-    edited, _ = run_python(LAW_IN_KERNEL, copy, tmp_path / "cache")
+def test_an_edited_material_is_never_run_stale_and_a_warm_start_compiles_nothing(tmp_path: Path):
+    copy = copied(tmp_path / "copy")
+    cold, loaded, *compiled = run_python(ELASTIC, copy, tmp_path / "cache")
+    assert (loaded, compiled) == ("0", ALL)
+    assert run_python(ELASTIC, copy, tmp_path / "cache") == [cold, LOADED]
+    edit(copy / "materials" / "__init__.py", "return bulk * (", "return 2.0 * bulk * (")
+    edited, loaded, *compiled = run_python(ELASTIC, copy, tmp_path / "cache")
+    assert (loaded, compiled) == ("0", ALL)
     assert float(edited) == 2.0 * float(cold)
+
+
+NUMERICS = "from viscopoint.kernels.sources import numerics; print(numerics())"
+METHOD, POINTS = "methods/mpm/method.py", "model/points.py"  # one with messages, one with a kernel
+WORDS = [
+    (METHOD, "the body does not stay in the box", "the body went away"),
+    (METHOD, '"""The material point method as the driver sees it."""', '"""What the driver sees.\n\nOf MPM.\n"""'),
+    (METHOD, '"""What each interaction did to the body since the start', '"""What was done to the body'),
+    (METHOD, "# --- the stages of a step ---", "# a step, stage by stage"),
+    (METHOD, "class MaterialPointMethod:", "\n\n# one more class\nclass MaterialPointMethod:"),
+    (POINTS, "@kernel(CHUNKS)", "\n\n# another line number for all that follows\n@kernel(CHUNKS)"),
+    (POINTS, '"""Sum over each chunk of points the energies [mJ]', '"""Add up the energies [mJ]'),
+]
+NUMBERS = [
+    (POINTS, "v * load(work, DISSIPATED, i)", "2.0 * v * load(work, DISSIPATED, i)"),
+    (POINTS, "-(swept_before * load", "+(swept_before * load"),
+    ("materials/elastic.py", "return 0.25 / material.shear", "return 0.24 / material.shear"),
+    ("materials/elastic.py", "+ 2.0 * material.shear", "- 2.0 * material.shear"),
+    ("materials/linear_viscoelastic.py", "if x > 0.5:", "if x > 0.25:"),
+    ("methods/mpm/stress.py", "0.5 * m * dot(v, v)", "0.25 * m * dot(v, v)"),
+    ("interactions/rows.py", "lacking / inverse", "lacking * inverse"),
+    ("kernels/jit.py", '{"arcp"}', '{"contract"}'),  # a text that makes code
+]
+
+
+def test_an_edit_of_words_compiles_nothing(tmp_path: Path):
+    copy = copied(tmp_path / "copy")
+    cold = run_python(ELASTIC, copy, tmp_path / "cache")[0]
+    before = run_python(NUMERICS, copy, tmp_path)
+    for file, old, new in WORDS:
+        edit(copy / file, old, new)
+        assert run_python(NUMERICS, copy, tmp_path) == before, (file, old)
+    assert run_python(ELASTIC, copy, tmp_path / "cache") == [cold, LOADED]
+
+
+def test_an_edit_of_a_number_or_an_operator_is_another_state_of_the_numerics(tmp_path: Path):
+    copy = copied(tmp_path / "copy")
+    states = [run_python(NUMERICS, copy, tmp_path)]
+    for file, old, new in NUMBERS:
+        edit(copy / file, old, new)
+        states.append(run_python(NUMERICS, copy, tmp_path))
+        assert states[-1] not in states[:-1], (file, old)
+
+
+STEPS_OF = (
+    WATCH
+    + """
+import sys
+from viscopoint.case.case import Case
+from viscopoint.model.build import build
+material, *names = sys.argv[1:] if len(sys.argv) > 1 else WORDS
+for name in names:
+    changes = {"material": MATERIALS[material], "method.size" if name == "fem" else "method.spacing": "1 mm"}
+    case = Case.load("paper", changes if name != "mpm" else changes | {"method.cell": "2 mm"}, method=name)
+    method = build(case).method
+    for _ in range(2):
+        method.advance(method.stable_step())
+    method.totals()
+print(len(loaded), *sorted(compiled))
+"""
+)
+MODULI = {"density": "1 g/cm^3", "bulk": "550 MPa"}
+PLASTIC = MODULI | {"law": "elastic-plastic", "shear": "140 MPa", "yield_stress": "20 MPa"}
+VISCOUS = MODULI | {"law": "linear-viscoelastic", "shear_short": "140 MPa", "shear_long": "4 MPa", "decay": "650 1/ms"}
+OF_VISCOUS = {f"{name}_LinearViscoelastic__" for name in ("energies", "prepare", "update")}
+MATERIALS = {"plastic": PLASTIC, "viscous": VISCOUS}
+
+
+def steps(material: str, *names: str) -> str:
+    """Return code that takes some steps of methods with a material."""
+    return STEPS_OF.replace("WORDS", repr([material, *names])).replace("MATERIALS", repr(MATERIALS))
+
+
+@pytest.mark.parametrize("names", [("mpm",), pytest.param(("mpm", "tlmpm", "fem"), marks=pytest.mark.long)])
+def test_another_material_in_a_new_process_compiles_no_kernel(names: tuple[str, ...], tmp_path: Path):
+    loaded, *compiled = run_python(steps("plastic", *names), PACKAGE, tmp_path)
+    kernels = [name for name in compiled if "Plastic" not in name]
+    assert loaded == "0"
+    assert len(kernels) > 5 * len(names)
+    before = set(tmp_path.rglob("*.code"))
+    assert len(before) == len(compiled)
+    loaded, *compiled = run_python(steps("viscous", *names), PACKAGE, tmp_path)
+    assert set(compiled) == OF_VISCOUS
+    assert int(loaded) == len(kernels)
+    added = {file.name.partition("-")[0].rpartition(".")[2] for file in set(tmp_path.rglob("*.code")) - before}
+    assert added == OF_VISCOUS
+    assert before <= set(tmp_path.rglob("*.code"))
 
 
 STEPS_OF_ALL = """
@@ -112,43 +149,100 @@ def test_code_that_was_just_compiled_gives_the_bits_of_code_from_the_disk(tmp_pa
 
 
 def test_processes_that_fill_one_empty_cache_at_once_agree_and_leave_it_whole(tmp_path: Path):
-    both = [python(LAW_IN_KERNEL, PACKAGE, VISCOPOINT_CACHE=tmp_path) for _ in range(2)]
-    (one, _), (other, _) = map(told, both)
+    both = [start(ELASTIC, PACKAGE, VISCOPOINT_CACHE=tmp_path) for _ in range(2)]
+    (one, *_), (other, *_) = map(told, both)
     assert one == other
-    assert run_python(LAW_IN_KERNEL, PACKAGE, tmp_path) == [one, "1"]
+    assert run_python(ELASTIC, PACKAGE, tmp_path) == [one, LOADED]
+    assert len([*tmp_path.rglob("*.code")]) == len(ALL)
+    assert [*tmp_path.rglob("*.part")] == []
 
 
 def twice(x: float) -> float:
     return x + x
 
 
-def test_code_that_two_save_at_once_for_other_arguments_is_neither_lost_nor_mixed_up(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):  # fmt: skip
-    monkeypatch.setattr(jit, "cache_folder", lambda: tmp_path)
+@pytest.fixture
+def kernels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A cache folder that also keeps kernels of tests."""
     monkeypatch.setattr(kernel_cache, "cache_folder", lambda: tmp_path)
     monkeypatch.setattr(outside, "is_outside", lambda _: False)
+    return tmp_path
+
+
+def test_code_that_two_save_at_once_for_other_arguments_is_neither_lost_nor_mixed_up(
+    kernels: Path, monkeypatch: pytest.MonkeyPatch
+):
     kernel: Any = jit.serial_kernel(twice)
     assert (kernel(1.0), kernel(1)) == (2.0, 2)
-    shutil.rmtree(tmp_path)
-    tmp_path.mkdir()
-    save, load = IndexDataCacheFile._save_data, IndexDataCacheFile._load_index
-    waits = iter([0.3, 0.0])  # s: both see an empty list, and the first to list its code is the last to write it
-    monkeypatch.setattr(IndexDataCacheFile, "_load_index", lambda file: (load(file), time.sleep(0.2))[0])
-    monkeypatch.setattr(IndexDataCacheFile, "_save_data", lambda *words: (time.sleep(next(waits)), save(*words)))
-    caches = [jit.serial_kernel(twice)._cache for _ in range(2)]  # pyright: ignore[reportFunctionMemberAccess]
-    threads = [
-        threading.Thread(target=cache.save_overload, args=each)
-        for cache, each in zip(caches, kernel.overloads.items(), strict=True)
-    ]
-    for thread in threads:
-        thread.start()
-        time.sleep(0.1)
-    for thread in threads:
-        thread.join()
+    assert len([*kernels.glob("*.code")]) == 2  # one of each combination of types
+    shutil.rmtree(kernels)
+    kernels.mkdir()
+    saved(kernel, [0, 1], monkeypatch)
     fresh: Any = jit.serial_kernel(twice)
     assert (fresh(0.5), fresh(2), sum(fresh.stats.cache_hits.values())) == (1.0, 4, 2)
     assert fresh.signatures == kernel.signatures
+    assert [*kernels.glob("*.part")] == []
+
+
+def test_code_that_two_save_at_once_for_the_same_arguments_is_whole_whenever_it_is_read(
+    kernels: Path, monkeypatch: pytest.MonkeyPatch
+):
+    kernel: Any = jit.serial_kernel(twice)
+    assert kernel(1.0) == 2.0
+    [file] = kernels.glob("*.code")
+    whole = file.read_bytes()
+    file.unlink()
+    read: list[bytes] = []
+    saved(kernel, [0, 0], monkeypatch, lambda: read.append(file.read_bytes() if file.exists() else b""))
+    assert set(read) == {b"", whole}
+    assert [*kernels.iterdir()] == [file]
+
+
+def saved(kernel: Any, which: list[int], monkeypatch: pytest.MonkeyPatch, look: Any = lambda: None) -> None:
+    """Let several at once save what a kernel was compiled to, each half done before any goes on; ``look`` in between.
+
+    ``which`` are the combinations of types that they save.
+    """
+    half, dumps = threading.Barrier(len(which) + 1), kernel_cache.dumps  # pyright: ignore[reportPrivateImportUsage]
+    replace = Path.replace
+
+    def slowly(*words: Any) -> bytes:
+        half.wait(10.0)  # all have their file open, and nothing in it
+        return dumps(*words)
+
+    def when_all_have_written(file: Path, target: Path) -> Path:
+        half.wait(10.0)
+        return replace(file, target)
+
+    monkeypatch.setattr(kernel_cache, "dumps", slowly)
+    monkeypatch.setattr(Path, "replace", when_all_have_written)
+    overloads = [*kernel.overloads.items()]
+    threads = [
+        threading.Thread(target=jit.serial_kernel(twice)._cache.save_overload, args=overloads[number])  # pyright: ignore[reportFunctionMemberAccess]
+        for number in which
+    ]
+    for thread in threads:
+        thread.start()
+    for _ in range(2):
+        look()
+        half.wait(10.0)
+    for thread in threads:
+        thread.join()
+    look()
+
+
+def test_code_that_cannot_be_read_is_compiled_again(kernels: Path):
+    kernel: Any = jit.serial_kernel(twice)
+    assert kernel(1.0) == 2.0
+    [file] = kernels.glob("*.code")
+    whole = file.read_bytes()
+    for damaged in (b"", whole[: len(whole) // 2]):
+        file.write_bytes(damaged)
+        fresh: Any = jit.serial_kernel(twice)
+        assert fresh(0.5) == 1.0
+        assert sum(fresh.stats.cache_hits.values()) == 0
+        again: Any = jit.serial_kernel(twice)
+        assert (again(0.5), sum(again.stats.cache_hits.values())) == (1.0, 1)
 
 
 def test_code_of_sources_that_nobody_ran_for_long_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -158,7 +252,7 @@ def test_code_of_sources_that_nobody_ran_for_long_is_removed(tmp_path: Path, mon
         folder.mkdir()
         (folder / "code").touch()
     for folder in (old, other):
-        os.utime(folder, (0.0, time.time() - 1.1 * kernel_cache.UNUSED))
-    used = kernel_cache.cache_folder.__wrapped__()
+        os.utime(folder, (0.0, time.time() - 1.1 * folders.UNUSED))
+    used = folders.cache_folder.__wrapped__()
     assert used.parent == tmp_path
     assert sorted(tmp_path.iterdir()) == sorted([recent, other, used])

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from viscopoint.kernels.kinematics import at_mid_step, strain_and_rotation, volume_ratio
 from viscopoint.kernels.tensors import Matrix, Sym
 from viscopoint.materials import Increment, update_stress
 from viscopoint.materials.block import IDENTITY as STILL
@@ -12,7 +13,6 @@ from viscopoint.materials.block import MaterialBlock
 from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 from viscopoint.materials.plastic import Plastic
-from viscopoint.kernels.kinematics import at_mid_step, strain_and_rotation, volume_ratio
 
 ELASTIC = Elastic(density=1e-3, bulk=550.0, shear=140.0)
 PAPER = LinearViscoelastic(density=1e-3, bulk=550.0, shear_long=5.0, shear_maxwell=135.0, decay=65.0)

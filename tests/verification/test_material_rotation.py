@@ -21,9 +21,9 @@ from material_point import (
 )
 from scipy.spatial.transform import Rotation
 
+from viscopoint.kernels.kinematics import increments
 from viscopoint.kernels.tensors import trace
 from viscopoint.materials import step_factors
-from viscopoint.kernels.kinematics import increments
 
 ROUNDING = 2e-15 * PAPER.bulk  # MPa in a step or two: J rounds by 1.1e-16 several times, and p = -K ln J
 AXES = {"x": (1.0, 0.0, 0.0), "oblique": (1.0, -2.0, 3.0)}

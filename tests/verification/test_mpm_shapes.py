@@ -17,8 +17,7 @@ from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.points import at_rest
 from viscopoint.methods.mpm.schemes import SCHEMES
 from viscopoint.methods.mpm.shapes import SHAPES, along, stencil
-from viscopoint.methods.mpm.shapes.gimp import WIDEST, ContiguousGimp
-from viscopoint.methods.mpm.shapes.gimp import Gimp
+from viscopoint.methods.mpm.shapes.gimp import WIDEST, ContiguousGimp, Gimp
 from viscopoint.methods.mpm.shapes.trilinear import LEAST
 from viscopoint.methods.mpm.transfers.flip import Flip
 from viscopoint.model.viscosity import BulkViscosity

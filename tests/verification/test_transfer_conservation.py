@@ -13,8 +13,7 @@ from viscopoint.interactions.planes import rigid_wall
 from viscopoint.methods.mpm.fills.rings import rod_rings
 from viscopoint.methods.mpm.grid import Box
 from viscopoint.methods.mpm.method import MaterialPointMethod
-from viscopoint.methods.mpm.transfers.affine_pic import Apic
-from viscopoint.methods.mpm.transfers.affine_pic import Tpic
+from viscopoint.methods.mpm.transfers.affine_pic import Apic, Tpic
 from viscopoint.model.build import build
 
 pytestmark = pytest.mark.usefixtures("one_thread")

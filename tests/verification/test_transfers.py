@@ -12,9 +12,8 @@ from test_schemes import DENSITY, SPEED, STRAIN, amplitude, energies, ringing
 from viscopoint.methods.mpm.grid import Box
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.transfers import Transfer
-from viscopoint.methods.mpm.transfers.affine_pic import Apic
+from viscopoint.methods.mpm.transfers.affine_pic import Apic, Tpic
 from viscopoint.methods.mpm.transfers.flip import Flip
-from viscopoint.methods.mpm.transfers.affine_pic import Tpic
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps

@@ -59,9 +59,11 @@ _MPM = (
 # central differences (``integrators``)
 _KICK = Pass("kick", "nodes.velocity nodes.force nodes.mass nodes.inverse_mass nodes.normal_mass", "nodes.velocity")
 _DRIFT = Pass("drift", "nodes.position nodes.velocity", "nodes.position nodes.force")
+_MEET = Pass("meet", "nodes.normal_mass nodes.position nodes.velocity", "nodes.pressed")
+_STAND = Pass("stand_still", "nodes.normal_mass", "")
 _TLMPM = (
     _KICK,
-    Pass("meet", "nodes.normal_mass nodes.position nodes.velocity", "nodes.pressed"),
+    _MEET,
     _DRIFT,
     Pass(
         "multiply out",
@@ -81,7 +83,7 @@ _TLMPM = (
         "nodes.force",
     ),
     _KICK,
-    Pass("stand_still", "nodes.normal_mass", ""),
+    _STAND,
 )
 _STRAIN_READS = (
     "slabs.order elements.shared.alive elements.corner elements.volume nodes.position nodes.velocity nodes.force "
@@ -95,11 +97,20 @@ PASSES: dict[str, tuple[Pass, ...]] = {
     "tlmpm": _TLMPM,
     "fem, one-point": (
         _KICK,
+        _MEET,
         _DRIFT,
         Pass("strain_one_point", f"{_STRAIN_READS} {_HOURGLASS}", f"{_STRAIN_WRITES} {_HOURGLASS}"),
         _KICK,
+        _STAND,
     ),
-    "fem, selective": (_KICK, _DRIFT, Pass("strain_selective", _STRAIN_READS, _STRAIN_WRITES), _KICK),
+    "fem, selective": (
+        _KICK,
+        _MEET,
+        _DRIFT,
+        Pass("strain_selective", _STRAIN_READS, _STRAIN_WRITES),
+        _KICK,
+        _STAND,
+    ),
 }
 
 

@@ -7,6 +7,7 @@ begin at ``OWN``. The parameters, and what is computed of them once for a step, 
 
 import ctypes
 import functools
+import hashlib
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -184,10 +185,12 @@ def _compiled(material: Any, factors: Any, n_own: int, with_deformation: bool) -
             store(work, STORED, i, stored)
 
     block = types.void(WORKSPACE, types.intp, NUMBERS)
+    shape = f"{material}, {factors}, {n_own}, {with_deformation}"  # classes of one name may have parts of many lengths
+    own_name = f"{_classes(material)}_{hashlib.sha256(shape.encode()).hexdigest()[:8]}"
     return _Blocks(
-        _function(prepare, types.void(NUMBERS), material),
-        _function(update_with_deformation if with_deformation else update, block, material),
-        _function(energies, block, material),
+        _function(prepare, types.void(NUMBERS), material, own_name),
+        _function(update_with_deformation if with_deformation else update, block, material, own_name),
+        _function(energies, block, material, own_name),
     )
 
 
@@ -222,9 +225,9 @@ def deformed(before: Matrix, gradient: Matrix, jacobian: float) -> Matrix:
     return added(IDENTITY, ratio, added(now, -1.0 / ratio, IDENTITY))
 
 
-def _function(code: Any, signature: Any, material: Any) -> CFunc:
+def _function(code: Any, signature: Any, material: Any, name: str) -> CFunc:
     """Return a compiled function of C's calling convention, from the disk if it is there."""
-    name = "".join(letter if letter.isalnum() else "_" for letter in _classes(material))
+    name = "".join(letter if letter.isalnum() else "_" for letter in name)
     code.__qualname__ = code.__name__ = (
         f"{code.__name__}_{name}"  # by which it is known in the process, and on the disk
     )

@@ -210,7 +210,7 @@ def _slowed(run: Run, time: str) -> float:
 def _front(run: Run) -> Finding:
     """The change of speed runs up at least as fast as the bar wave of the instantaneous moduli, the slowest."""
     material, times = run.case.material.build(), (10e-3, 15e-3, 20e-3)
-    bulk, shear = material.bulk, 0.75 * (material.instantaneous_modulus - material.bulk)
+    bulk, shear = material.bulk, 0.75 * (material.p_wave_modulus - material.bulk)
     bar = np.sqrt(9.0 * bulk * shear / (3.0 * bulk + shear) / material.density)
     fronts = [_slowed(run, f"{time} ms") for time in times]
     slowest = [float(bar) * time for time in times]

@@ -1,0 +1,55 @@
+"""Code for new processes that says which compiled code was made there, and which came from the disk."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+WATCH = """
+from viscopoint.kernels.cache import Cache
+load, compiled, loaded = Cache.load_overload, [], []
+def watched(cache, *words):
+    found = load(cache, *words)
+    (loaded if found else compiled).append(cache._name.rpartition(".")[2])
+    return found
+Cache.load_overload = watched
+"""
+
+# stored energy of a point of which J = 0.9, by MATERIAL: a kernel that knows no material, and a material's three blocks
+ENERGY = (
+    WATCH
+    + """
+import numpy as np
+from viscopoint.kernels.slabs import CHUNKS
+from viscopoint.materials.block import MaterialBlock
+from viscopoint.materials.elastic import Elastic
+from viscopoint.model.points import STORED_ENERGY, SUMS, material_at_rest, sum_energies, volume_at_rest
+block = MaterialBlock(MATERIAL)
+state, shared, sums = material_at_rest(block, 1), volume_at_rest(1), np.empty((CHUNKS, SUMS))
+shared.jacobian[:] = 0.9
+sum_energies(state, shared, np.ones(1), block.code, sums)
+print(sums[:, STORED_ENERGY].sum(), len(loaded), *sorted(compiled))
+"""
+)
+ELASTIC = ENERGY.replace("MATERIAL", "Elastic(1e-3, 100.0, 10.0)")
+BLOCKS = ["energies_Elastic__", "prepare_Elastic__", "update_Elastic__"]
+ALL = sorted([*BLOCKS, "sum_energies"])
+
+
+def start(code: str, package: Path, **settings: str | Path) -> subprocess.Popen[str]:
+    """Start code in a new process on a copy of the package, with settings of its own."""
+    environment = {key: value for key, value in os.environ.items() if key != "VISCOPOINT_CACHE"}
+    environment |= {"PYTHONPATH": str(package.parent), **{key: str(value) for key, value in settings.items()}}
+    return subprocess.Popen([sys.executable, "-B", "-c", code], env=environment, stdout=subprocess.PIPE, text=True)
+
+
+def told(process: subprocess.Popen[str]) -> list[str]:
+    """Return the words that a process printed."""
+    out, _ = process.communicate()
+    assert process.returncode == 0
+    return out.split()
+
+
+def run_python(code: str, package: Path, cache: Path) -> list[str]:
+    """Return the words that code prints in a new process on a copy of the package."""
+    return told(start(code, package, VISCOPOINT_CACHE=cache))

@@ -15,7 +15,7 @@ from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import PARTS, kernel
 from viscopoint.kernels.slabs import chunk
 from viscopoint.kernels.workspace import BLOCK
-from viscopoint.methods.fem.cells import stable_length, volume, volume_gradient
+from viscopoint.methods.fem import cells
 from viscopoint.methods.fem.cells.hexahedron import ETA, GAUSS, XI, ZETA, Hexahedron, modes
 
 EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
@@ -129,8 +129,8 @@ def stable_lengths(position: Array, corner: Indices) -> Array:
 def _measure_lengths(part: int, position: Array, corner: NDArray[np.uint64], lengths: Array) -> None:
     for e in chunk(part, PARTS, len(corner)):
         place = modes(position, corner[e])
-        gradient = volume_gradient(place)
-        lengths[e] = stable_length(place, gradient, volume(place, gradient))
+        gradient = cells.volume_gradient(place)
+        lengths[e] = cells.stable_length(place, gradient, cells.volume(place, gradient))
 
 
 def scaled_jacobians(position: Array, corner: Indices) -> Array:

@@ -18,34 +18,8 @@ import numpy as np
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import implements, inline
 from viscopoint.kernels.tensors import Columns, Vec, applied, cross, dot, fused, fused_product, product, total
-from viscopoint.methods.fem.cells import (
-    Corners,
-    Hourglass,
-    add_point_force,
-    add_pressure,
-    at_point,
-    corner_forces,
-    corner_numbers,
-    corner_values,
-    flattened,
-    hourglass_of,
-    mean_forces,
-    mean_gradient,
-    mode_numbers,
-    modes_of,
-    moved,
-    no_force,
-    point_numbers,
-    point_weights,
-    selective_length,
-    sharpest,
-    smallest_length,
-    stable_length,
-    unflattened,
-    volume,
-    volume_gradient,
-    weight_numbers,
-)
+from viscopoint.methods.fem import cells
+from viscopoint.methods.fem.cells import Corners, Hourglass
 
 GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 x 2 rule, whose points stand like the corners
 #                  0     1     2     3     4     5     6     7
@@ -95,25 +69,25 @@ class Slopes(NamedTuple):
 @inline
 def modes(values: Array, corner: Any) -> Modes:
     """Return the modes of the nodal ``values[n, 3]`` at the nodes ``corner[8]`` of an element."""
-    return modes_of(Hexahedron(), corner_values(Hexahedron(), values, corner))
+    return cells.modes_of(Hexahedron(), cells.corner_values(Hexahedron(), values, corner))
 
 
-@implements(corner_numbers, Hexahedron)
+@implements(cells.corner_numbers, Hexahedron)
 def of_corners(cell: Hexahedron) -> Corners:
     return OF_CORNERS
 
 
-@implements(mode_numbers, Hexahedron)
+@implements(cells.mode_numbers, Hexahedron)
 def of_modes(cell: Hexahedron) -> tuple[float, ...]:
     return OF_MODES
 
 
-@implements(weight_numbers, Hexahedron)
+@implements(cells.weight_numbers, Hexahedron)
 def of_point(cell: Hexahedron) -> tuple[float, ...]:
     return OF_POINT
 
 
-@implements(corner_values, Hexahedron)
+@implements(cells.corner_values, Hexahedron)
 def eight_values(cell: Hexahedron, values: Array, corner: Any) -> Corners:
     a, b, c, d, e, f, g, h = (
         corner[0], corner[1], corner[2], corner[3], corner[4], corner[5], corner[6], corner[7]
@@ -126,7 +100,7 @@ def eight_values(cell: Hexahedron, values: Array, corner: Any) -> Corners:
     )  # fmt: skip
 
 
-@implements(modes_of, Hexahedron)
+@implements(cells.modes_of, Hexahedron)
 def seven_modes(cell: Hexahedron, values: Corners) -> Modes:
     x = values
     a, b, c, d = Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11])
@@ -146,7 +120,7 @@ def seven_modes(cell: Hexahedron, values: Corners) -> Modes:
     )
 
 
-@implements(flattened, Modes)
+@implements(cells.flattened, Modes)
 def flat(field: Modes) -> tuple[float, ...]:
     a, b, c, d, e, f, g = field
     return (
@@ -155,7 +129,7 @@ def flat(field: Modes) -> tuple[float, ...]:
     )  # fmt: skip
 
 
-@implements(unflattened, Hexahedron)
+@implements(cells.unflattened, Hexahedron)
 def of_flat(cell: Hexahedron, numbers: tuple[float, ...]) -> Modes:
     x = numbers
     return Modes(
@@ -164,13 +138,13 @@ def of_flat(cell: Hexahedron, numbers: tuple[float, ...]) -> Modes:
     )  # fmt: skip
 
 
-@implements(no_force, Hexahedron)
+@implements(cells.no_force, Hexahedron)
 def nil(cell: Hexahedron) -> Modes:
     none = Vec(0.0, 0.0, 0.0)
     return Modes(none, none, none, none, none, none, none)
 
 
-@implements(corner_forces, Modes)
+@implements(cells.corner_forces, Modes)
 def to_corners(on: Modes) -> Corners:
     p, q, r = on.xi - on.zeta_xi, on.eta - on.eta_zeta, on.xi_eta - on.all
     t, u, v = on.xi + on.zeta_xi, on.eta + on.eta_zeta, on.xi_eta + on.all
@@ -186,7 +160,7 @@ def to_corners(on: Modes) -> Corners:
     )  # fmt: skip
 
 
-@implements(moved, Modes)
+@implements(cells.moved, Modes)
 def moved_on(place: Modes, step: float, velocity: Modes) -> Modes:
     return Modes(
         fused(place.xi, step, velocity.xi),
@@ -199,7 +173,7 @@ def moved_on(place: Modes, step: float, velocity: Modes) -> Modes:
     )
 
 
-@implements(volume_gradient, Modes)
+@implements(cells.volume_gradient, Modes)
 def gradient_of_volume(place: Modes) -> Gradient:
     # of V = 8 [a·(b x c) - (a·(e x f) + b·(f x d) + c·(d x e)) / 3]
     a, b, c, d, e, f, _ = place
@@ -214,7 +188,7 @@ def gradient_of_volume(place: Modes) -> Gradient:
     )
 
 
-@implements(volume, Modes)
+@implements(cells.volume, Modes)
 def exact_volume(place: Modes, gradient: Gradient) -> float:
     # a cubic in the modes: by Euler, a third of x·∂V/∂x
     a, b, c, d, e, f, _ = place
@@ -223,7 +197,7 @@ def exact_volume(place: Modes, gradient: Gradient) -> float:
     return total(fused_product(fused_product(fused_product(linear, d, w.eta_zeta), e, w.zeta_xi), f, w.xi_eta)) / 3.0
 
 
-@implements(mean_gradient, Modes)
+@implements(cells.mean_gradient, Modes)
 def gradient_of_modes(field: Modes, gradient: Gradient, scale: float) -> Columns:
     a, b, c, d, e, f, _ = field
     w = gradient
@@ -271,7 +245,7 @@ def local_gradient(field: Slopes, faces: Slopes, scale: float) -> Columns:
     )
 
 
-@implements(smallest_length, Modes)
+@implements(cells.smallest_length, Modes)
 def thinnest(place: Modes, gradient: Gradient, volume: float) -> float:
     # V over the area of a section between opposite faces
     xi, eta, zeta = gradient.xi, gradient.eta, gradient.zeta
@@ -279,7 +253,7 @@ def thinnest(place: Modes, gradient: Gradient, volume: float) -> float:
     return 2.0 * volume / math.sqrt(largest)
 
 
-@implements(stable_length, Modes)
+@implements(cells.stable_length, Modes)
 def brick_length(place: Modes, gradient: Gradient, volume: float) -> float:
     """Return l, 1/l² = Σ 1/l_k² of a brick's three edges.
 
@@ -294,12 +268,12 @@ def brick_length(place: Modes, gradient: Gradient, volume: float) -> float:
     return 2.0 * volume / math.sqrt(total(fused_product(fused_product(fused_product(linear, d, d), e, e), f, f)))
 
 
-@implements(hourglass_of, Modes)
+@implements(cells.hourglass_of, Modes)
 def four_of_seven(field: Modes) -> Hourglass:
     return Hourglass(field.eta_zeta, field.zeta_xi, field.xi_eta, field.all)
 
 
-@implements(mean_forces, Modes)
+@implements(cells.mean_forces, Modes)
 def of_mean_stress(place: Modes, gradient: Gradient, pull: Columns, h: Hourglass) -> Modes:
     return Modes(
         applied(pull, gradient.xi),
@@ -312,7 +286,7 @@ def of_mean_stress(place: Modes, gradient: Gradient, pull: Columns, h: Hourglass
     )
 
 
-@implements(add_pressure, Modes)
+@implements(cells.add_pressure, Modes)
 def with_pressure(on: Modes, gradient: Gradient, pressure: float) -> Modes:
     return Modes(
         on.xi + pressure * gradient.xi,
@@ -325,7 +299,7 @@ def with_pressure(on: Modes, gradient: Gradient, pressure: float) -> Modes:
     )
 
 
-@implements(at_point, Modes)
+@implements(cells.at_point, Modes)
 def at_gauss_point(place: Modes, flow: Modes, dt: float, k: int) -> tuple[Columns, float, Slopes, float]:
     xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
     here, motion = slopes(place, xi, eta, zeta), slopes(flow, xi, eta, zeta)
@@ -336,19 +310,19 @@ def at_gauss_point(place: Modes, flow: Modes, dt: float, k: int) -> tuple[Column
     return local_gradient(motion, middle, dt / det_middle), det_middle, faces, det
 
 
-@implements(point_numbers, Slopes)
+@implements(cells.point_numbers, Slopes)
 def of_faces(weights: Slopes) -> tuple[float, ...]:
     a, b, c = weights
     return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z)
 
 
-@implements(point_weights, Hexahedron)
+@implements(cells.point_weights, Hexahedron)
 def faces_of(cell: Hexahedron, numbers: tuple[float, ...]) -> Slopes:
     x = numbers
     return Slopes(Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]))
 
 
-@implements(add_point_force, Modes)
+@implements(cells.add_point_force, Modes)
 def gathered(on: Modes, weights: Slopes, stress: Columns, k: int) -> Modes:
     """Add the transpose of ``slopes``."""
     xi, eta, zeta = GAUSS * XI[k], GAUSS * ETA[k], GAUSS * ZETA[k]
@@ -364,13 +338,13 @@ def gathered(on: Modes, weights: Slopes, stress: Columns, k: int) -> Modes:
     )
 
 
-@implements(sharpest, Modes)
+@implements(cells.sharpest, Modes)
 def greatest_area(place: Modes, so_far: float, weights: Slopes, det: float) -> float:
     area = dot(weights.xi, weights.xi) + dot(weights.eta, weights.eta) + dot(weights.zeta, weights.zeta)
     return max(so_far, area / det)
 
 
-@implements(selective_length, Modes)
+@implements(cells.selective_length, Modes)
 def with_shear(place: Modes, gradient: Gradient, volume: float, sharpest: float) -> float:
     # shear at eight points: 2G Σ det |ε|² <= 2G · 8 max(area/det) of the modes' squares (see ``brick_length``)
-    return min(stable_length(place, gradient, volume), 2.0 * math.sqrt(volume / (8.0 * sharpest)))
+    return min(cells.stable_length(place, gradient, volume), 2.0 * math.sqrt(volume / (8.0 * sharpest)))

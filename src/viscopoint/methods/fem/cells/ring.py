@@ -21,34 +21,8 @@ import numpy as np
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import implements, inline
 from viscopoint.kernels.tensors import Columns, Vec, applied, dot
-from viscopoint.methods.fem.cells import (
-    Corners,
-    Hourglass,
-    add_point_force,
-    add_pressure,
-    at_point,
-    corner_forces,
-    corner_numbers,
-    corner_values,
-    flattened,
-    hourglass_of,
-    mean_forces,
-    mean_gradient,
-    mode_numbers,
-    modes_of,
-    moved,
-    no_force,
-    point_numbers,
-    point_weights,
-    selective_length,
-    sharpest,
-    smallest_length,
-    stable_length,
-    unflattened,
-    volume,
-    volume_gradient,
-    weight_numbers,
-)
+from viscopoint.methods.fem import cells
+from viscopoint.methods.fem.cells import Corners, Hourglass
 
 TURN = 2.0 * math.pi
 GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 rule, whose points stand like the corners; it integrates all here exactly
@@ -83,22 +57,22 @@ class Weights(NamedTuple):
     both: Vec
 
 
-@implements(corner_numbers, Ring)
+@implements(cells.corner_numbers, Ring)
 def of_corners(cell: Ring) -> Corners:
     return OF_CORNERS
 
 
-@implements(mode_numbers, Ring)
+@implements(cells.mode_numbers, Ring)
 def of_modes(cell: Ring) -> tuple[float, ...]:
     return OF_MODES
 
 
-@implements(weight_numbers, Ring)
+@implements(cells.weight_numbers, Ring)
 def of_point(cell: Ring) -> tuple[float, ...]:
     return OF_POINT
 
 
-@implements(corner_values, Ring)
+@implements(cells.corner_values, Ring)
 def four_values(cell: Ring, values: Array, corner: Any) -> Corners:
     a, b, c, d = corner[0], corner[1], corner[2], corner[3]
     return (
@@ -107,7 +81,7 @@ def four_values(cell: Ring, values: Array, corner: Any) -> Corners:
     )  # fmt: skip
 
 
-@implements(modes_of, Ring)
+@implements(cells.modes_of, Ring)
 def four_modes(cell: Ring, values: Corners) -> Modes:
     x = values
     a, b, c, d = Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11])
@@ -117,13 +91,13 @@ def four_modes(cell: Ring, values: Corners) -> Modes:
     )  # fmt: skip
 
 
-@implements(flattened, Modes)
+@implements(cells.flattened, Modes)
 def flat(field: Modes) -> tuple[float, ...]:
     a, b, c, d = field
     return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z)
 
 
-@implements(unflattened, Ring)
+@implements(cells.unflattened, Ring)
 def of_flat(cell: Ring, numbers: tuple[float, ...]) -> Modes:
     x = numbers
     return Modes(
@@ -131,13 +105,13 @@ def of_flat(cell: Ring, numbers: tuple[float, ...]) -> Modes:
     )  # fmt: skip
 
 
-@implements(no_force, Ring)
+@implements(cells.no_force, Ring)
 def nil(cell: Ring) -> Modes:
     none = Vec(0.0, 0.0, 0.0)
     return Modes(none, none, none, none)
 
 
-@implements(corner_forces, Modes)
+@implements(cells.corner_forces, Modes)
 def to_corners(on: Modes) -> Corners:
     a, b, c, d = at_corner(on, 0), at_corner(on, 1), at_corner(on, 2), at_corner(on, 3)
     return (
@@ -152,7 +126,7 @@ def at_corner(on: Any, k: int) -> Vec:
     return on.mean + XI[k] * on.xi + ETA[k] * on.eta + (XI[k] * ETA[k]) * on.both
 
 
-@implements(moved, Modes)
+@implements(cells.moved, Modes)
 def moved_on(place: Modes, step: float, velocity: Modes) -> Modes:
     return Modes(
         place.mean + step * velocity.mean,
@@ -162,7 +136,7 @@ def moved_on(place: Modes, step: float, velocity: Modes) -> Modes:
     )
 
 
-@implements(volume_gradient, Modes)
+@implements(cells.volume_gradient, Modes)
 def ring_weights(place: Modes) -> Weights:
     r, a, b, g = place.mean.x, place.xi, place.eta, place.both
     full, third = 4.0 * TURN, 4.0 * TURN / 3.0
@@ -197,13 +171,13 @@ def weights_at(place: Modes, xi: float, eta: float) -> tuple[Weights, float]:
     ), around * area
 
 
-@implements(volume, Modes)
+@implements(cells.volume, Modes)
 def exact_volume(place: Modes, gradient: Weights) -> float:
     a, b, g = place.xi, place.eta, place.both
     return 4.0 * TURN * (place.mean.x * _area(a, b) + (a.x * _area(a, g) + b.x * _area(g, b)) / 3.0)
 
 
-@implements(mean_gradient, Modes)
+@implements(cells.mean_gradient, Modes)
 def gradient_of_modes(field: Modes, gradient: Weights, scale: float) -> Columns:
     weights = gradient  # with v_r / r around the axis
     along_r = (
@@ -217,7 +191,7 @@ def gradient_of_modes(field: Modes, gradient: Weights, scale: float) -> Columns:
     return Columns(scale * along_r, Vec(0.0, scale * hoop, 0.0), scale * along_z)
 
 
-@implements(add_point_force, Modes)
+@implements(cells.add_point_force, Modes)
 def gathered(on: Modes, weights: Weights, stress: Columns, k: int) -> Modes:
     """Add what does the work of a stress on the ``mean_gradient`` of these weights; the hoop stress acts along r."""
     along = Columns(Vec(stress.x.x, 0.0, stress.x.z), Vec(stress.y.y, 0.0, 0.0), Vec(stress.z.x, 0.0, stress.z.z))
@@ -229,7 +203,7 @@ def gathered(on: Modes, weights: Weights, stress: Columns, k: int) -> Modes:
     )
 
 
-@implements(smallest_length, Modes)
+@implements(cells.smallest_length, Modes)
 def thinnest(place: Modes, gradient: Weights, volume: float) -> float:
     # of the two thicknesses in the half plane; below zero where the element is inside out
     a, b = place.xi, place.eta
@@ -288,17 +262,17 @@ def shearing(place: Modes, weights: Weights) -> float:
     return found
 
 
-@implements(stable_length, Modes)
+@implements(cells.stable_length, Modes)
 def ring_length(place: Modes, gradient: Weights, volume: float) -> float:
     return longest(volumetric(place, gradient) / volume, shearing(place, gradient) / volume)
 
 
-@implements(sharpest, Modes)
+@implements(cells.sharpest, Modes)
 def more_shear(place: Modes, so_far: float, weights: Weights, det: float) -> float:
     return so_far + shearing(place, weights) / det
 
 
-@implements(selective_length, Modes)
+@implements(cells.selective_length, Modes)
 def with_shear(place: Modes, gradient: Weights, volume: float, sharpest: float) -> float:
     return longest(volumetric(place, gradient) / volume, sharpest)
 
@@ -316,39 +290,39 @@ def longest(swelling: float, shear: float) -> float:
 # --- forces ---
 
 
-@implements(hourglass_of, Modes)
+@implements(cells.hourglass_of, Modes)
 def the_only_one(field: Modes) -> Hourglass:
     none = Vec(0.0, 0.0, 0.0)
     return Hourglass(none, none, none, field.both)
 
 
-@implements(mean_forces, Modes)
+@implements(cells.mean_forces, Modes)
 def of_mean_stress(place: Modes, gradient: Weights, pull: Columns, h: Hourglass) -> Modes:
     none = Vec(0.0, 0.0, 0.0)
-    return add_point_force(Modes(none, none, none, h.all), gradient, pull, 0)
+    return cells.add_point_force(Modes(none, none, none, h.all), gradient, pull, 0)
 
 
-@implements(add_pressure, Modes)
+@implements(cells.add_pressure, Modes)
 def with_pressure(on: Modes, gradient: Weights, pressure: float) -> Modes:
     pull = Columns(Vec(pressure, 0.0, 0.0), Vec(0.0, pressure, 0.0), Vec(0.0, 0.0, pressure))
-    return add_point_force(on, gradient, pull, 0)
+    return cells.add_point_force(on, gradient, pull, 0)
 
 
-@implements(at_point, Modes)
+@implements(cells.at_point, Modes)
 def at_gauss_point(place: Modes, flow: Modes, dt: float, k: int) -> tuple[Columns, float, Weights, float]:
     xi, eta = GAUSS * XI[k], GAUSS * ETA[k]
-    half, mid_volume = weights_at(moved(place, -0.5 * dt, flow), xi, eta)
+    half, mid_volume = weights_at(cells.moved(place, -0.5 * dt, flow), xi, eta)
     weights, share = weights_at(place, xi, eta)
-    return mean_gradient(flow, half, dt / mid_volume), mid_volume, weights, share
+    return cells.mean_gradient(flow, half, dt / mid_volume), mid_volume, weights, share
 
 
-@implements(point_numbers, Weights)
+@implements(cells.point_numbers, Weights)
 def of_weights(weights: Weights) -> tuple[float, ...]:
     a, b, c, d = weights
     return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z)
 
 
-@implements(point_weights, Ring)
+@implements(cells.point_weights, Ring)
 def weights_of(cell: Ring, numbers: tuple[float, ...]) -> Weights:
     x = numbers
     return Weights(

@@ -31,23 +31,8 @@ from viscopoint.kernels.workspace import (
     workspace,
 )
 from viscopoint.materials.block import AFTER, GRADIENT, JACOBIAN, STRESS, SWEPT, MaterialCode, call_block
-from viscopoint.methods.fem.cells import (
-    Hourglass,
-    corner_forces,
-    corner_numbers,
-    flattened,
-    hourglass_of,
-    mean_forces,
-    mean_gradient,
-    mode_numbers,
-    modes_of,
-    moved,
-    smallest_length,
-    stable_length,
-    unflattened,
-    volume,
-    volume_gradient,
-)
+from viscopoint.methods.fem import cells
+from viscopoint.methods.fem.cells import Hourglass
 from viscopoint.methods.fem.elements import ELEMENTS, Limits, finish
 from viscopoint.methods.fem.hourglass import hourglass_force, hourglass_numbers, hourglass_of_numbers
 from viscopoint.methods.fem.mesh import Slabs
@@ -137,20 +122,22 @@ def strain_one_point(
 @inline
 def strain(work: Any, i: int, cell: Any, dt: float) -> None:
     """Take the motion of the block's element i over the step to its mean gradient and its volume."""
-    place = modes_of(cell, load_tuple(work, PLACE, i, corner_numbers(cell)))
-    flow = modes_of(cell, load_tuple(work, FLOW, i, corner_numbers(cell)))
-    middle = moved(place, -0.5 * dt, flow)
-    half, gradient = volume_gradient(middle), volume_gradient(place)
-    mid_volume, now = volume(middle, half), volume(place, gradient)
-    stretch = mean_gradient(flow, half, dt / mid_volume)
+    place = cells.modes_of(cell, load_tuple(work, PLACE, i, cells.corner_numbers(cell)))
+    flow = cells.modes_of(cell, load_tuple(work, FLOW, i, cells.corner_numbers(cell)))
+    middle = cells.moved(place, -0.5 * dt, flow)
+    half, gradient = cells.volume_gradient(middle), cells.volume_gradient(place)
+    mid_volume, now = cells.volume(middle, half), cells.volume(place, gradient)
+    stretch = cells.mean_gradient(flow, half, dt / mid_volume)
     store(work, GRADIENT, i, matrix(stretch))
     store(work, SWEPT, i, volumetric(matrix(stretch)))
     store(work, AFTER, i, now / load(work, REFERENCE, i))
     store(work, VOLUME, i, now)
-    whole = now > 0.0 and mid_volume > 0.0 and smallest_length(place, gradient, now) > 0.0
+    whole = now > 0.0 and mid_volume > 0.0 and cells.smallest_length(place, gradient, now) > 0.0
     store(work, WHOLE, i, 1.0 if whole else 0.0)
-    store(work, PLACE, i, flattened(place))
-    store(work, FLOW, i, hourglass_numbers(unexplained(hourglass_of(flow), dt, stretch, hourglass_of(middle))))
+    store(work, PLACE, i, cells.flattened(place))
+    store(
+        work, FLOW, i, hourglass_numbers(unexplained(cells.hourglass_of(flow), dt, stretch, cells.hourglass_of(middle)))
+    )
 
 
 @inline
@@ -158,9 +145,9 @@ def respond(
     work: Any, i: int, cell: Any, material: MaterialCode, hourglass: Any, viscosity: BulkViscosity, dt: float
 ) -> None:
     """Find bulk viscosity, hourglass forces, stable step and corner forces of the block's element i."""
-    place, now = unflattened(cell, load_tuple(work, PLACE, i, mode_numbers(cell))), load(work, VOLUME, i)
-    gradient, reference, swept = volume_gradient(place), load(work, REFERENCE, i), load(work, SWEPT, i)
-    length, half = smallest_length(place, gradient, now), 0.5 * swept
+    place, now = cells.unflattened(cell, load_tuple(work, PLACE, i, cells.mode_numbers(cell))), load(work, VOLUME, i)
+    gradient, reference, swept = cells.volume_gradient(place), load(work, REFERENCE, i), load(work, SWEPT, i)
+    length, half = cells.smallest_length(place, gradient, now), 0.5 * swept
     swept_before, swept_after = half * load(work, JACOBIAN, i), half * load(work, AFTER, i)
     sound, damping = apply_viscosity(work, i, material, viscosity, length, swept / dt, swept_before, swept_after)
     slip = hourglass_of_numbers(load_tuple(work, FLOW, i, TWELVE))
@@ -169,13 +156,13 @@ def respond(
     h, taken = hourglass_force(
         hourglass, before, slip, rotation_of(load_matrix(work, GRADIENT, i)), dt, mass, sound, length
     )
-    stable = stable_length(place, gradient, now)
+    stable = cells.stable_length(place, gradient, now)
     store(work, WEIGHTS, i, hourglass_numbers(h))
     add(work, HOURGLASS_WORK, i, taken)
     store(work, REST_STEP, i, stable / sound)
     store(work, STEP_LENGTH, i, longest_step(viscosity, stable, length, sound, damping))
-    pull = pulling(load_sym(work, STRESS, i) - spherical(load(work, VISCOUS, i)), h, hourglass_of(place), now)
-    store(work, PLACE, i, corner_forces(mean_forces(place, gradient, pull, h)))
+    pull = pulling(load_sym(work, STRESS, i) - spherical(load(work, VISCOUS, i)), h, cells.hourglass_of(place), now)
+    store(work, PLACE, i, cells.corner_forces(cells.mean_forces(place, gradient, pull, h)))
 
 
 @inline

@@ -19,28 +19,7 @@ from viscopoint.kernels.workspace import (
     workspace,
 )
 from viscopoint.materials.block import AFTER, GRADIENT, JACOBIAN, STRESS, SWEPT, MaterialCode, call_block
-from viscopoint.methods.fem.cells import (
-    add_point_force,
-    add_pressure,
-    at_point,
-    corner_forces,
-    corner_numbers,
-    flattened,
-    mean_gradient,
-    mode_numbers,
-    modes_of,
-    moved,
-    no_force,
-    point_numbers,
-    point_weights,
-    selective_length,
-    sharpest,
-    smallest_length,
-    unflattened,
-    volume,
-    volume_gradient,
-    weight_numbers,
-)
+from viscopoint.methods.fem import cells
 from viscopoint.methods.fem.elements import ELEMENTS, Limits, finish
 from viscopoint.methods.fem.mesh import Slabs
 from viscopoint.methods.fem.state import (
@@ -139,15 +118,15 @@ def strain_selective(
 @inline
 def dilate(work: Any, i: int, cell: Any, dt: float) -> None:
     """Find the motion of the block's element i by modes, its volume and its mean dilatation."""
-    place = modes_of(cell, load_tuple(work, PLACE, i, corner_numbers(cell)))
-    flow = modes_of(cell, load_tuple(work, FLOW, i, corner_numbers(cell)))
-    middle = moved(place, -0.5 * dt, flow)
-    half = volume_gradient(middle)
-    now = volume(place, volume_gradient(place))
-    stretch = mean_gradient(flow, half, dt / volume(middle, half))
-    store(work, PLACE, i, flattened(place))
-    store(work, FLOW, i, flattened(flow))
-    store(work, ON, i, flattened(no_force(cell)))
+    place = cells.modes_of(cell, load_tuple(work, PLACE, i, cells.corner_numbers(cell)))
+    flow = cells.modes_of(cell, load_tuple(work, FLOW, i, cells.corner_numbers(cell)))
+    middle = cells.moved(place, -0.5 * dt, flow)
+    half = cells.volume_gradient(middle)
+    now = cells.volume(place, cells.volume_gradient(place))
+    stretch = cells.mean_gradient(flow, half, dt / cells.volume(middle, half))
+    store(work, PLACE, i, cells.flattened(place))
+    store(work, FLOW, i, cells.flattened(flow))
+    store(work, ON, i, cells.flattened(cells.no_force(cell)))
     store(work, VOLUME, i, now)
     store(work, WHOLE, i, min(now, 1.0))
     store(work, AFTER, i, now / load(work, REFERENCE, i))
@@ -159,39 +138,39 @@ def dilate(work: Any, i: int, cell: Any, dt: float) -> None:
 @inline
 def strain(work: Any, i: int, k: int, cell: Any, dt: float) -> None:
     """Take the motion of the block's element i over the step to the gradient at its point k."""
-    place = unflattened(cell, load_tuple(work, PLACE, i, mode_numbers(cell)))
-    flow = unflattened(cell, load_tuple(work, FLOW, i, mode_numbers(cell)))
-    stretch, mid_det, weights, det = at_point(place, flow, dt, k)
+    place = cells.unflattened(cell, load_tuple(work, PLACE, i, cells.mode_numbers(cell)))
+    flow = cells.unflattened(cell, load_tuple(work, FLOW, i, cells.mode_numbers(cell)))
+    stretch, mid_det, weights, det = cells.at_point(place, flow, dt, k)
     # what the points before one that is turned inside out have taken stays in the account
     store(work, WHOLE, i, min(load(work, WHOLE, i), min(det, mid_det)))
     store(work, GRADIENT, i, matrix(stretch))
-    store(work, WEIGHTS, i, point_numbers(weights))
+    store(work, WEIGHTS, i, cells.point_numbers(weights))
     store(work, DET, i, det)
-    store(work, SHARPEST, i, sharpest(place, load(work, SHARPEST, i), weights, det))
+    store(work, SHARPEST, i, cells.sharpest(place, load(work, SHARPEST, i), weights, det))
 
 
 @inline
 def gather(work: Any, i: int, k: int, cell: Any) -> None:
     """Add the forces of the deviator at point k to those on the modes, and its mean stress to the element's."""
     stress = load_sym(work, STRESS, i)
-    weights = point_weights(cell, load_tuple(work, WEIGHTS, i, weight_numbers(cell)))
-    on = unflattened(cell, load_tuple(work, ON, i, mode_numbers(cell)))
+    weights = cells.point_weights(cell, load_tuple(work, WEIGHTS, i, cells.weight_numbers(cell)))
+    on = cells.unflattened(cell, load_tuple(work, ON, i, cells.mode_numbers(cell)))
     pull = sym_columns((-1.0) * deviator(stress))
-    store(work, ON, i, flattened(add_point_force(on, weights, pull, k)))
+    store(work, ON, i, cells.flattened(cells.add_point_force(on, weights, pull, k)))
     add(work, MEAN, i, load(work, DET, i) * trace(stress) / 3.0)
 
 
 @inline
 def respond(work: Any, i: int, cell: Any, material: MaterialCode, viscosity: BulkViscosity, dt: float) -> None:
     """Find bulk viscosity, stable step and corner forces of the block's element i."""
-    place = unflattened(cell, load_tuple(work, PLACE, i, mode_numbers(cell)))
-    on = unflattened(cell, load_tuple(work, ON, i, mode_numbers(cell)))
-    now, swept, gradient = load(work, VOLUME, i), load(work, SWEPT, i), volume_gradient(place)
-    length, half = smallest_length(place, gradient, now), 0.5 * swept
+    place = cells.unflattened(cell, load_tuple(work, PLACE, i, cells.mode_numbers(cell)))
+    on = cells.unflattened(cell, load_tuple(work, ON, i, cells.mode_numbers(cell)))
+    now, swept, gradient = load(work, VOLUME, i), load(work, SWEPT, i), cells.volume_gradient(place)
+    length, half = cells.smallest_length(place, gradient, now), 0.5 * swept
     swept_before, swept_after = half * load(work, JACOBIAN, i), half * load(work, AFTER, i)
     sound, damping = apply_viscosity(work, i, material, viscosity, length, swept / dt, swept_before, swept_after)
-    stable = selective_length(place, gradient, now, load(work, SHARPEST, i))
+    stable = cells.selective_length(place, gradient, now, load(work, SHARPEST, i))
     store(work, REST_STEP, i, stable / sound)
     store(work, STEP_LENGTH, i, longest_step(viscosity, stable, length, sound, damping))
     pressure = load(work, VISCOUS, i) - load(work, MEAN, i) / now
-    store(work, PLACE, i, corner_forces(add_pressure(on, gradient, pressure)))
+    store(work, PLACE, i, cells.corner_forces(cells.add_pressure(on, gradient, pressure)))

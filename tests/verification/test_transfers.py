@@ -215,7 +215,7 @@ def amplitudes(transfer: Any, scheme: str, k: float, cell: float, dt: float, ste
     see = np.array([3 * np.cos(kh / 4) + np.cos(3 * kh / 4), 3 * np.sin(kh / 4) - np.sin(3 * kh / 4)]) / 4
     slope, rest = 2 / cell * np.sin(kh / 2), 1 - see @ see
     u, stress, c, found = np.array([1.0, 0.0]), 0.0, 0.0, []
-    growth = ELASTIC.instantaneous_modulus * dt * slope
+    growth = ELASTIC.p_wave_modulus * dt * slope
     for _ in range(steps):
         if scheme == "usf":
             stress += growth * (see @ u + rest * c)

@@ -182,8 +182,8 @@ def test_volume_is_that_within_the_bilinear_faces() -> None:
 def test_volume_gradient_is_the_change_of_volume() -> None:
     corner = hexahedron()
     gradient = volume_gradient(modes(corner, range(8)))
-    # ∂V/∂x_n = Σ ∂V/∂x_m s_m(n) / 8, the field whose modes are an eighth of those
-    found = at_corners(Modes(*[0.125 * v for v in gradient], all=Vec(0.0, 0.0, 0.0)))
+    # ∂V/∂x_n = Σ ∂V/∂x_m s_m(n) / 8, as forces on modes come to the corners
+    found = at_corners(Modes(*gradient, all=Vec(0.0, 0.0, 0.0)))
     for n in range(8):
         for axis in range(3):
             other = corner.copy()
@@ -194,7 +194,7 @@ def test_volume_gradient_is_the_change_of_volume() -> None:
 
 def test_modes_and_their_mean_give_the_corner_values_back() -> None:
     values = hexahedron()
-    found = at_corners(modes(values, range(8)))
+    found = 8.0 * at_corners(modes(values, range(8)))  # an eighth goes to each corner
     assert_allclose(found + values.mean(axis=0), values, rtol=0, atol=ROUNDING)
 
 

@@ -38,8 +38,8 @@ def cube(transfer: Transfer, cells: int = 2, uneven: float = 0.0, **choices: Any
 
 def stirred(method: MaterialPointMethod) -> MaterialPointMethod:
     random = np.random.default_rng(3)
-    for field, size in (("velocity", 10.0), ("stress", 20.0), ("affine", 3.0)):
-        values = getattr(method.points, field)
+    points = method.points
+    for values, size in ((points.velocity, 10.0), (points.material.stress, 20.0), (points.affine, 3.0)):
         values[:] = random.normal(size=values.shape, scale=size)
     return method
 

@@ -190,7 +190,9 @@ def _push(rows: Rows, r: int, direction: Vec, change: float, inverse: float) -> 
         w, motion = rows.weight[k], rows.motion[rows.slot[k]]
         for a in range(3):
             part = direction.x if a == 0 else direction.y if a == 1 else direction.z
-            motion[VELOCITY + a] += (w * motion[INVERSE + a] / inverse) * (part * change)
+            own = w * motion[INVERSE + a]
+            share = 1.0 if own == inverse else own / inverse  # divisions by the same number become its reciprocal
+            motion[VELOCITY + a] += share * (part * change)
 
 
 @inline

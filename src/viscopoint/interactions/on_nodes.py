@@ -12,9 +12,10 @@ onto the wall, are stopped as they are.
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from viscopoint.errors import InputError
 from viscopoint.interactions.planes import Interaction, Plane
@@ -41,6 +42,13 @@ from viscopoint.model.nodes import Nodes, impulse_of_force
 ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane stand on it
 
 
+class Guides(NamedTuple):
+    """Planes that hold nodes, which slide on them alone."""
+
+    normal: Array  # [g, 3]
+    on: NDArray[np.uint8]  # [g, n], whether they hold a node
+
+
 class PlanesOnNodes:
     """The planes that act on a body's nodes."""
 
@@ -53,8 +61,13 @@ class PlanesOnNodes:
         self.interactions = tuple(interactions)
         self.slot_of = np.full(len(nodes.mass), -1)
         self.reactions = np.zeros((len(self.interactions), REACTIONS))  # of each, since the start
-        self._planes = [(each.plane, _reached(each, nodes.position, surface)) for each in self.interactions]
-        self.most = sum(len(candidates) for _, candidates in self._planes)
+        planes = [
+            (number, each.plane, _reached(each, nodes.position, surface)) for number, each in enumerate(interactions)
+        ]
+        # walls first: they may hand mass on and rub before rows say how nodes move
+        self._planes = sorted(planes, key=lambda each: each[1].two_sided)
+        self._guides = _guides(planes, len(nodes.mass))
+        self.most = sum(len(candidates) for _, _, candidates in planes)
 
     def find(self, rows: Rows, body: int, first: int, nodes: Nodes, time: float, flight: float) -> Rows:
         """Add the rows of all planes to those of other bodies.
@@ -68,19 +81,30 @@ class PlanesOnNodes:
             flight: how long nodes will move with that velocity [ms].
         """
         rows = with_room(rows, self.most)
-        for number, (plane, candidates) in enumerate(self._planes):
+        for number, plane, candidates in self._planes:
             meet(
-                nodes, plane, candidates, self.slot_of, rows, body, first + number, time, flight, self.reactions[number]
-            )
+                nodes, plane, candidates, self._guides, self.slot_of, rows, body, first + number, time, flight,
+                self.reactions[number],
+            )  # fmt: skip
         return rows
 
     def resume(self, rows: Rows, body: int, nodes: Nodes, time: float) -> None:
         """Bring up to date what rows know of this body's nodes, and balance nodes that stand on a wall."""
-        for number, (plane, candidates) in enumerate(self._planes):
+        for number, plane, candidates in self._planes:
             if not plane.two_sided:
-                stand_still(nodes, plane, candidates, time, self.reactions[number])
+                stand_still(nodes, plane, candidates, self._guides, time, self.reactions[number])
         if rows.size[1] > 0:
             reload(nodes, rows, body, time)
+
+
+def _guides(planes: Sequence[tuple[int, Plane, Indices]], count: int) -> Guides:
+    """Return the planes that hold nodes, and which."""
+    holding = [(plane.normal, candidates) for _, plane, candidates in planes if plane.two_sided]
+    guides = Guides(np.zeros((len(holding), 3)), np.zeros((len(holding), count), np.uint8))
+    for row, (normal, candidates) in enumerate(holding):
+        guides.normal[row] = normal
+        guides.on[row, candidates] = 1
+    return guides
 
 
 def _reached(interaction: Interaction, position: Array, surface: Indices) -> Indices:
@@ -99,14 +123,14 @@ def _reached(interaction: Interaction, position: Array, surface: Indices) -> Ind
 
 @serial_kernel
 def meet(
-    nodes: Nodes, plane: Plane, candidates: Indices, slot_of: Indices, rows: Rows, body: int, owner: int, time: float,
-    flight: float, reactions: Array,
+    nodes: Nodes, plane: Plane, candidates: Indices, guides: Guides, slot_of: Indices, rows: Rows, body: int,
+    owner: int, time: float, flight: float, reactions: Array,
 ) -> None:  # fmt: skip
     """Let a plane act on what is on it, or would pass it within ``flight``."""
     normal, point = read_vector(plane.normal), read_vector(plane.point)
     for n in candidates:
         if nodes.normal_mass[n] == 0.0 and not plane.two_sided:
-            stand(nodes, n, plane, time, reactions)
+            stand(nodes, n, plane, guides, time, reactions)
             continue
         least = plane.speed
         if not plane.two_sided:
@@ -125,11 +149,11 @@ def meet(
 
 
 @serial_kernel
-def stand_still(nodes: Nodes, plane: Plane, candidates: Indices, time: float, reactions: Array) -> None:
+def stand_still(nodes: Nodes, plane: Plane, candidates: Indices, guides: Guides, time: float, reactions: Array) -> None:
     """Balance the nodes that stand on a wall."""
     for n in candidates:
         if nodes.normal_mass[n] == 0.0:
-            stand(nodes, n, plane, time, reactions)
+            stand(nodes, n, plane, guides, time, reactions)
 
 
 @inline
@@ -176,7 +200,7 @@ def onto(nodes: Nodes, n: int, normal: Vec, point: Vec) -> None:
 
 
 @inline
-def stand(nodes: Nodes, n: int, plane: Plane, time: float, reactions: Array) -> None:
+def stand(nodes: Nodes, n: int, plane: Plane, guides: Guides, time: float, reactions: Array) -> None:
     """Balance the force on a node without mass along the normal, or let it go where that would take a pull."""
     normal, velocity = read_vector(plane.normal), read_vector(nodes.velocity[n])
     force = dot(read_vector(nodes.force[n]), normal)
@@ -185,7 +209,7 @@ def stand(nodes: Nodes, n: int, plane: Plane, time: float, reactions: Array) -> 
     onto(nodes, n, normal, read_vector(plane.point))
     if force <= 0.0:
         push(reactions, (-time * force) * normal)
-        rub(nodes, n, plane, -time * force, time, reactions)
+        rub(nodes, n, plane, guides, -time * force, time, reactions)
         return
     m, other = nodes.mass[n], nodes.partner[n]
     nodes.normal_mass[other] -= m
@@ -210,11 +234,18 @@ def touch(nodes: Nodes, n: int, least: float, reactions: Array) -> None:
 
 
 @inline
-def rub(nodes: Nodes, n: int, plane: Plane, impulse: float, time: float, reactions: Array) -> None:
-    """Give a node that stands on a plane the friction of a normal impulse; its work is that of ``rows.solve``."""
+def rub(nodes: Nodes, n: int, plane: Plane, guides: Guides, impulse: float, time: float, reactions: Array) -> None:
+    """Give a node that stands on a plane the friction of a normal impulse; its work is that of ``rows.solve``.
+
+    Planes that hold the node (and stand upright on this one) take part of its velocity only later, by their rows.
+    """
     velocity, m = read_vector(nodes.velocity[n]), nodes.mass[n]
     normal = read_vector(plane.normal)
     sliding = velocity - dot(velocity, normal) * normal
+    for g in range(len(guides.normal)):
+        if guides.on[g, n]:
+            across = read_vector(guides.normal[g])
+            sliding = sliding - dot(sliding, across) * across
     speed = math.sqrt(dot(sliding, sliding))
     share = min(1.0, plane.friction * impulse / (m * speed)) if speed > 0.0 else 0.0
     taken = (-share) * sliding

@@ -262,7 +262,7 @@ def test_restored_run_goes_on_bit_for_bit(volume: str) -> None:
 
 
 def test_planes_of_the_rod_s_nodes_begin_with_its_foot() -> None:
-    method = rod()
+    method = rod(walls=(rigid_wall(0.0, 0.0),))
     heights = levels(method, method.reference[:, 2])
     assert_allclose(heights, np.arange(13) * 0.5, rtol=0, atol=1e-12)
     assert ((method.nodes.partner >= 0) == (method.reference[:, 2] < 0.25)).all()

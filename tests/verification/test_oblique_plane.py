@@ -155,7 +155,7 @@ def cube(kind: str, friction: float, cells: int = 6) -> Any:
         return bricks.fem(body, bricks.ELEMENTS[choices[0]], ELASTIC, planes, velocity, viscosity=PULSE)
     if family == "tlmpm":
         motion = lagrangian.flying(*velocity)
-        return lagrangian.brick((cells,) * 3, ELASTIC, planes, motion, cell=cell, viscosity=PULSE)
+        return lagrangian.brick((cells, cells, cells), ELASTIC, planes, motion, cell=cell, viscosity=PULSE)
     body, box = block(cell, cells, cells, cells), Box((-4.0, -4.0, -4.0), (16.0, 16.0, 16.0))
     contact, shape = choices
     return rod(ELASTIC, velocity, planes, body=body, box=box, cell=cell, contact=contact, shape=shape)

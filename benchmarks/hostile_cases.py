@@ -19,7 +19,7 @@ from hostile import FAILED, FINISHED, KINDS, SPEEDS, End, Hostile, ends_of, matr
 
 CAUSES = {  # words of a guard's message, and what it stopped
     "the stable step fell": "the stable step collapsed",
-    "the energy ledger does not close": "the energy ledger did not close",
+    "the energy balance does not close": "the energy balance did not close",
     "is not finite": "a quantity was not finite",
 }
 

@@ -140,7 +140,7 @@ def front() -> None:
 def wave(cells: int, decay: float, time: float, choices: Choices) -> tuple[str, ...]:
     """Return the mean error of velocity, that of the impulse in rho v0 h, and how far the front is ahead in cells."""
     solid, h = laplace.confined(*CONFINED, decay), LENGTH / cells
-    ends = columns.wall(0.0, 0.0)
+    ends = columns.rigid_wall(0.0, 0.0)
     method, velocity = started(cells, viscoelastic(decay), (ends,), lambda z: np.full_like(z, -SPEED), choices)
     tl = "of" in choices
     x = lagrangian.levels(method, method.reference[:, 2]) if tl else columns.layers(method.body.position[:, 2])

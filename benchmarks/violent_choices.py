@@ -67,7 +67,7 @@ def measured(name: str, choices: dict[str, object]) -> str:
     rows: list[Row] = []
     simulation = Simulation(build(case(name, choices)), watch=lambda _, row: rows.append(row))
     simulation.run()
-    lost = 100 * np.array([row.numerical for row in rows]) / simulation.ledger.start.kinetic
+    lost = 100 * np.array([row.numerical for row in rows]) / simulation.balance.start.kinetic
     last = rows[-1]
     return f"{lost.min():+.1f}, {lost.max():+.1f}; {last.greatest_radius:.2f}, {last.length:.2f}, {last.velocity:.2f}"
 

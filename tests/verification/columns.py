@@ -22,7 +22,8 @@ from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 from viscopoint.methods.mpm.contacts import CONTACTS
 from viscopoint.methods.mpm.fills.lattice import rod_lattice
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.grid import Box, Grid, zero
+from viscopoint.methods.mpm.mapping import scatter_momentum_and_force
 from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.schemes import SCHEMES
 from viscopoint.methods.mpm.shapes import SHAPES
@@ -132,6 +133,21 @@ def rod(
     rest = SCHEMES[scheme], exchange, safety, damping, VOLUMES[volume], CONTACTS[contact]
     choices = Discretisation(cell, box, fitted, *rest, real=real)
     return MaterialPointMethod(body, law or viscoelastic(65.0), walls, choices, velocity)
+
+
+def fresh_grid(method: MaterialPointMethod) -> Grid:
+    """Return the grid without mass, momentum and force."""
+    zero(method.grid.momentum)
+    zero(method.grid.change)
+    return method.grid
+
+
+def scattered(method: MaterialPointMethod) -> Grid:
+    """Return the grid with the points' mass, momentum and force, which is its ``change``."""
+    grid = fresh_grid(method)
+    pressed = method.volume.pressed(method.points, grid)
+    scatter_momentum_and_force(method.points, grid, method.shape, pressed, method.transfer)
+    return grid
 
 
 def area(method: MaterialPointMethod) -> float:

@@ -72,7 +72,7 @@ def rings(
         shape=SHAPES[shape].fitted(0.5),
         scheme=SCHEMES["musl"],
         transfer=TRANSFERS[transfer].chosen(0.0),
-        safety=safety,
+        time_step_factor=safety,
         viscosity=BulkViscosity(*viscosity),
         volume=VOLUMES[volume],
         contact=CONTACTS[contact],

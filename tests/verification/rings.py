@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from bricks import ELASTIC, Array, Boundaries
 from numpy.typing import NDArray
-from viscopoint.methods.fem.elements.ring_one_point import RingOnePoint
-from viscopoint.methods.fem.elements.ring_selective import RingSelective
 
 from viscopoint.methods.fem.elements import Element
+from viscopoint.methods.fem.elements.one_point import OnePoint
+from viscopoint.methods.fem.elements.selective import Selective
 from viscopoint.methods.fem.hourglass import StiffnessControl, ViscousControl
 from viscopoint.methods.fem.method import Discretisation, FiniteElementMethod
 from viscopoint.methods.fem.section import node_volumes, section_mesh
@@ -17,9 +17,9 @@ from viscopoint.model.body import Body
 from viscopoint.model.viscosity import BulkViscosity
 
 ELEMENTS = {
-    "viscous": RingOnePoint(ViscousControl()),
-    "stiffness": RingOnePoint(StiffnessControl()),
-    "selective": RingSelective(),
+    "viscous": OnePoint(ViscousControl()),
+    "stiffness": OnePoint(StiffnessControl()),
+    "selective": Selective(),
 }
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
 

@@ -80,7 +80,7 @@ def test_free_flight_changes_nothing(scheme: str, pic: float) -> None:
     assert_allclose(points.position, start + flight, rtol=0, atol=count * ROUNDING * HEIGHT)
     strain = count * ROUNDING  # rounding of v over a cell, times v dt / h < 1 each step
     assert_allclose(points.shared.jacobian, 1.0, rtol=strain)
-    assert_allclose(points.material.stress, 0.0, atol=method.material.instantaneous_modulus * strain)
+    assert_allclose(points.material.stress, 0.0, atol=method.material.p_wave_modulus * strain)
     assert method.lost() == 0
 
 
@@ -95,7 +95,7 @@ def test_points_that_stand_exactly_on_nodes_fly_freely_too(scheme: str, shift: f
     start = method.totals()
     steps(method, 20)
     assert_allclose(method.points.velocity, np.broadcast_to(VELOCITY, (len(method.points.mass), 3)), rtol=20 * ROUNDING)
-    assert_allclose(method.points.material.stress, 0.0, atol=method.material.instantaneous_modulus * 20 * ROUNDING)
+    assert_allclose(method.points.material.stress, 0.0, atol=method.material.p_wave_modulus * 20 * ROUNDING)
     assert_momentum_kept(method, start, 20)
 
 
@@ -212,11 +212,18 @@ def test_thread_count_changes_no_bit(real: Real) -> None:
     assert_same_bits(*states)
 
 
+def of_points(method: MaterialPointMethod) -> dict[str, Any]:
+    """Return all that the points carry."""
+    points = method.points
+    every = {**points._asdict(), **points.material._asdict(), **points.shared._asdict()}
+    return {name: values for name, values in every.items() if name not in ("material", "shared")}
+
+
 def test_larger_box_changes_no_bit() -> None:
     larger = Box(BOX.low, (60.0, 60.0, 200.0))
     one, other = steps(impact(), 40), steps(impact(larger), 40)
-    assert_same_bits(one.points._asdict(), other.points._asdict())
-    assert_array_equal(one.tally, other.tally)
+    assert_same_bits(of_points(one), of_points(other))
+    assert_array_equal(one.reactions, other.reactions)
     assert one.stable_step() == other.stable_step()
 
 

@@ -9,11 +9,11 @@ import pytest
 from columns import ELASTIC, Array, one_thread  # noqa: F401
 from lagrangian import ROUNDING, steps
 from numpy.testing import assert_allclose
-from viscopoint.methods.fem.motion import set_off
 
-from viscopoint.interactions.planes import rigid_wall
-from viscopoint.methods.fem.state import CHUNKS
-from viscopoint.methods.tlmpm import motion
+from viscopoint.interactions.on_nodes import take_velocity
+from viscopoint.interactions.planes import rigid_wall, symmetry_plane
+from viscopoint.interactions.rows import NORMAL_WORK, empty_rows, solve
+from viscopoint.methods.lagrangian import LagrangianBody
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 WALL, DT = rigid_wall(0.0, 0.0), 1e-4
@@ -26,6 +26,16 @@ def disturbed(nodes: Any) -> None:
     nodes.force[:] = nodes.mass[:, None] / (0.5 * DT) * 3.0 * rng.normal(size=nodes.force.shape)
 
 
+def set_off(method: LagrangianBody) -> Array:
+    """Begin a step, up to where the wall has acted; return what it did (``rows.REACTIONS``)."""
+    method.kick(DT)
+    rows = method.constrain(empty_rows(0), 0, 0, DT)
+    solve(rows, 0, int(rows.size[0]), method.reactions)
+    take_velocity(method.nodes, rows, 0)
+    (done,) = method.reactions
+    return done
+
+
 def upright_energy(nodes: Any, stopped: Array) -> float:
     return float(0.5 * (nodes.mass * nodes.velocity[:, 2] ** 2)[stopped].sum())
 
@@ -33,32 +43,32 @@ def upright_energy(nodes: Any, stopped: Array) -> float:
 def test_wall_takes_all_that_the_nodes_lose_which_it_stops() -> None:
     """Of elements; what the force did to a node in that half step is in it, or no account would have it."""
     method = bricks.fem(bricks.brick((2.0, 2.0, 2.0), (2, 2, 2)), bricks.SELECTIVE, ELASTIC, (WALL,))
-    nodes, tally = method.nodes, np.zeros((CHUNKS, TALLY))
+    nodes = method.nodes
     disturbed(nodes)
     stopped = nodes.position[:, 2] == 0.0
     before = upright_energy(nodes, stopped)
-    set_off(nodes, WALL, DT, tally)
+    done = set_off(method)
     assert (nodes.pressed[stopped] > 0).all()
     assert before > 0.0
-    assert_allclose(tally[:, 3].sum(), upright_energy(nodes, stopped) - before, rtol=1e-12)
+    assert_allclose(done[NORMAL_WORK], upright_energy(nodes, stopped) - before, rtol=1e-12)
 
 
 def test_wall_takes_all_that_nodes_beside_the_foot_lose() -> None:
     """The same of total Lagrangian points, where no node stands above to take the momentum."""
     method = lagrangian.brick((2, 2, 2), ELASTIC, (WALL,))
-    nodes, tally = method.nodes, np.zeros((CHUNKS, TALLY))
+    nodes = method.nodes
     disturbed(nodes)
     nodes.partner[:] = -1
     stopped = nodes.position[:, 2] == 0.0
     before = upright_energy(nodes, stopped)
-    motion.set_off(nodes, WALL, DT, tally)
-    assert_allclose(tally[:, 3].sum(), upright_energy(nodes, stopped) - before, rtol=1e-12)
+    done = set_off(method)
+    assert_allclose(done[NORMAL_WORK], upright_energy(nodes, stopped) - before, rtol=1e-12)
 
 
 def test_a_foot_that_touches_unevenly_hands_all_its_momentum_up() -> None:
     """To the node above, at their common speed: no impulse is in it, and what is lost is that of a plastic impact."""
     method = lagrangian.brick((2, 2, 2), ELASTIC, (WALL,))
-    nodes, tally = method.nodes, np.zeros((CHUNKS, TALLY))
+    nodes = method.nodes
     disturbed(nodes)
     nodes.force[:] = 0.0
     foot = nodes.partner >= 0
@@ -66,11 +76,47 @@ def test_a_foot_that_touches_unevenly_hands_all_its_momentum_up() -> None:
     m, both = nodes.mass[foot], nodes.mass[foot] + nodes.mass[up]
     apart = nodes.velocity[foot, 2] - nodes.velocity[up, 2]
     common = nodes.velocity[up, 2] + m / both * apart
-    motion.set_off(nodes, WALL, DT, tally)
+    done = set_off(method)
     assert np.abs(apart).min() > 0.01
     assert_allclose(nodes.velocity[up, 2], common, rtol=1e-13)
-    assert_allclose(tally[:, 2].sum(), 0.0, atol=ROUNDING)
-    assert_allclose(tally[:, 3].sum(), -(0.5 * m * (both - m) / both * apart**2).sum(), rtol=1e-12)
+    assert_allclose(done[2], 0.0, atol=ROUNDING)
+    assert_allclose(done[NORMAL_WORK], -(0.5 * m * (both - m) / both * apart**2).sum(), rtol=1e-12)
+
+
+def test_a_node_that_carries_the_foot_s_mass_is_stopped_with_all_of_it() -> None:
+    """Momentum along the normal is that of the mass that moves so, and so is what the wall takes."""
+    method = lagrangian.brick((2, 2, 2), ELASTIC, (WALL,), lagrangian.flying(0.0, 0.0, -30.0))
+    method.advance(DT)  # the foot has touched
+    nodes = method.nodes
+    up = int(nodes.partner[nodes.partner >= 0][4])
+    assert nodes.normal_mass[up] > 1.4 * nodes.mass[up]
+    nodes.position[up, 2], nodes.force[:] = 1e-6, 0.0
+    before = method.totals()
+    energy, dt = 0.5 * nodes.normal_mass[up] * nodes.velocity[up, 2] ** 2, 1e-6
+    done = method.reactions.copy()
+    method.kick(dt)
+    rows = method.constrain(empty_rows(0), 0, 0, dt)
+    solve(rows, 0, int(rows.size[0]), method.reactions)
+    take_velocity(nodes, rows, 0)
+    now, taken = method.totals(), (method.reactions - done)[0]
+    assert_allclose(now.momentum - before.momentum, taken[:3], atol=ROUNDING * before.mass * 30.0)
+    assert_allclose(taken[NORMAL_WORK], 0.5 * nodes.normal_mass[up] * nodes.velocity[up, 2] ** 2 - energy, rtol=1e-12)
+    assert taken[2] > 0.9 * nodes.normal_mass[up] * 20.0
+
+
+def test_rollers_and_a_wall_on_one_node_act_alike_in_any_order() -> None:
+    sides = tuple(symmetry_plane(axis, place) for axis in (0, 1) for place in (0.0, 2.0))
+    wall, found = rigid_wall(0.0, 0.3), []
+    for planes in ((wall, *sides), (*sides, wall)):
+        method = lagrangian.brick((2, 2, 2), ELASTIC, planes, lagrangian.flying(0.0, 0.0, -30.0))
+        method.nodes.velocity[:] += [20.0, 0.0, 0.0]
+        start = method.totals()
+        steps(method, 20)
+        now = method.totals()
+        assert_allclose(now.momentum - start.momentum, now.impulse - start.impulse, atol=1e-12 * start.mass * 30.0)
+        found.append((method.nodes.velocity / 30.0, now.energy / start.energy))
+    for one, other in zip(*found, strict=True):
+        assert_allclose(one, other, atol=1e-12)
 
 
 @pytest.mark.parametrize("volume", ["local", "cell-mean"])

@@ -10,7 +10,7 @@ import pytest
 import viscopoint as vp
 from viscopoint.command_line.terminal import print_summary
 from viscopoint.methods.mpm.fills.lattice import rod_lattice
-from viscopoint.model.measurements import Gauges, measure
+from viscopoint.model.measurements import Measurements, measure
 
 REBOUND = {
     "method.geometry": "axisymmetric", "method.spacing": "0.76 mm", "method.cell": "1.52 mm",
@@ -90,7 +90,7 @@ def test_a_length_whose_points_are_gone_is_not_a_number(lost: str, unknown: set[
     position[place] = np.nan
     found = measure(surface, position)
     extremes = {"lowest_point", "highest_point", "widest_point"}  # of all points
-    for name in Gauges._fields:
+    for name in Measurements._fields:
         assert math.isnan(getattr(found, name)) == (name in unknown | extremes), name
 
 

@@ -151,7 +151,7 @@ def test_solid_that_does_not_relax_is_elastic(law: LinearViscoelastic, shear: fl
 def test_fast_arm_is_a_newtonian_dashpot_beside_the_long_term_spring() -> None:
     dt = 1.0
     fast = PAPER._replace(decay=1e3)
-    viscosity = fast.shear_arm / fast.decay
+    viscosity = fast.shear_maxwell / fast.decay
     stretches = MOTIONS + np.swapaxes(MOTIONS, 1, 2)  # symmetric, so that nothing turns
     before, volume = 0.0, 1.0
     for stretch, (solid, spring) in zip(

@@ -8,7 +8,7 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
-from columns import CELL, ELASTIC, HEIGHT, Array, advance, block, column, one_thread, order, rod  # noqa: F401
+from columns import CELL, ELASTIC, HEIGHT, Array, advance, block, column, fresh_grid, one_thread, order, rod  # noqa: F401
 from numpy.testing import assert_allclose, assert_array_equal
 
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane
@@ -77,11 +77,11 @@ def test_stretch_follows_the_motion_along_each_axis(shape: str) -> None:
     method = rod(ELASTIC, (0.0, 0.0, 0.0), walls=WALL, lift=4.0, shape=shape, contact="gated")
     rate, dt = np.array([[3.0, 5.0, -2.0], [1.0, -4.0, 7.0], [2.0, 2.0, 9.0]]), 1e-3
     for _ in range(2):
-        grid = method.fresh_grid()
+        grid = fresh_grid(method)
         node = np.stack(np.unravel_index(np.arange(len(grid.velocity)), (int(grid.nz), int(grid.ny), int(grid.nx))))
         place = node[::-1].T * grid.cell  # linear fields are kept, wherever they are zero
         grid.velocity[:, :3] = place @ rate.T
-        method.update_stress(grid, dt)
+        method.update_stress(dt)
     expected = (1 + dt * np.diag(rate)) ** 2
     assert_allclose(method.points.stretch, np.broadcast_to(expected, (len(method.points.mass), 3)), rtol=ROUNDING)
 
@@ -230,7 +230,7 @@ def test_thread_count_changes_no_bit_and_a_restored_run_goes_on(shape: str) -> N
             method.advance(method.stable_step())
         numba.set_num_threads(1)
     one, other = straight.state(), resumed.state()
-    assert one["tally"][2] > 0.0
+    assert one["reactions"][:, 2].sum() > 0.0
     for name, values in one.items():
         assert_array_equal(values, other[name], err_msg=name)
 

@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.kernels.arrays import Indices
-from viscopoint.methods.mpm.contact import walls_around
+from viscopoint.materials.block import MaterialBlock
 from viscopoint.methods.mpm.points import at_rest
 from viscopoint.methods.mpm.shapes import NOWHERE, SHAPES, along, stencil
 from viscopoint.methods.mpm.shapes.splines import Quadratic
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps
 DEGREES = {"quadratic": 2, "cubic": 3}
 LOW, HIGH, COUNT = 3, 8, 12  # planes of the walls, nodes in all
-POINTS = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), 0)
+POINTS = at_rest(np.zeros((1, 3)), np.ones(1), np.ones(1), MaterialBlock(ELASTIC))
 SPLINE = pytest.mark.parametrize("name", sorted(DEGREES))
 AXIS = pytest.mark.parametrize("axis", [0, 1, 2])
 RINGING = [(Flip(0.0), 4), pytest.param(Apic(), 2, marks=pytest.mark.long)]  # and how many filters they leave of four
@@ -130,7 +130,7 @@ def test_walls_are_found_on_their_side_of_the_body() -> None:
         lift=1.0, shape="quadratic", walls=(rigid_wall(0.0, 0.0), symmetry_plane(0, 4.0), symmetry_plane(1, -3.0))
     )
     box_low, overhang = -6, 1
-    x, y, z = walls_around(method.boundaries, method.grid, method.middle)
+    x, y, z = method.planes.around(method.grid)
     assert (x, y, z) == ((NOWHERE, 4 - box_low + overhang), (-3 - box_low + overhang, NOWHERE), (overhang, NOWHERE))
     assert method.shape == Quadratic(*x, *y, *z)
 

@@ -4,13 +4,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from columns import CELL, Array, block, one_thread, rod  # noqa: F401
+from columns import CELL, Array, block, fresh_grid, one_thread, rod, scattered  # noqa: F401
 from numpy.testing import assert_allclose
 
 from viscopoint.kernels.tensors import components
 from viscopoint.materials.elastic import Elastic
 from viscopoint.methods.mpm.grid import Box
-from viscopoint.methods.mpm.mapping import scatter_momentum_and_force
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.shapes import SHAPES
 from viscopoint.methods.mpm.volumes import VOLUMES, pull
@@ -29,14 +28,14 @@ def cube(volume: str, **choices: Any) -> MaterialPointMethod:
 
 def strained(method: MaterialPointMethod, motion: Any, dt: float) -> MaterialPointMethod:
     """Strain the points by nodes that move as ``motion(x, y, z)`` [mm/ms]."""
-    grid = method.fresh_grid()
+    grid = fresh_grid(method)
     n = np.arange(len(grid.velocity))
     nx, ny = int(grid.nx), int(grid.ny)
     x = grid.x0 + grid.cell * (grid.i0 + n % nx)
     y = grid.y0 + grid.cell * (grid.j0 + n // nx % ny)
     z = grid.z0 + grid.cell * (grid.k0 + n // (nx * ny))
     grid.velocity[:, :3] = np.column_stack(motion(x, y, z))
-    method.update_stress(grid, dt)
+    method.update_stress(dt)
     return method
 
 
@@ -123,7 +122,7 @@ def test_all_points_of_a_cell_push_with_their_mean_pressure() -> None:
     points.material.stress[:] = random.normal(size=points.material.stress.shape)
     points.shared.viscous_pressure[:] = random.uniform(size=len(points.mass))
     points.shared.jacobian[:] = random.uniform(0.9, 1.1, len(points.mass))
-    shared = method.pressed()
+    shared = method.volume.pressed(points, method.grid)
     found = np.array([components(pull(shared, points, p, method.grid)) for p in range(len(points.mass))])
     own = points.material.stress[:, :3].mean(axis=1) - points.shared.viscous_pressure
     cell = np.floor(points.position).astype(int) @ [1, 10, 100]
@@ -142,9 +141,7 @@ def test_work_of_shared_pressure_on_the_nodes_is_that_of_the_shared_dilatation()
     points, random = method.points, np.random.default_rng(6)
     tension = random.normal(size=len(points.mass))
     points.material.stress[:, :3] = tension[:, None]
-    grid = method.fresh_grid()
-    scatter_momentum_and_force(points, grid, method.shape, method.pressed(), method.transfer)
-    force = grid.change[:, :3].copy()
+    force = scattered(method).change[:, :3].copy()
     points.shared.viscous_pressure[:] = -tension  # keep for the account: it is what pulls, minus
     points.material.stress[:] = 0.0
     strained(method, swirl, dt)

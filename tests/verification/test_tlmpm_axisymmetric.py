@@ -138,7 +138,7 @@ def test_reach_bounds_the_step_sharply() -> None:
     def survives(safety: float) -> bool:
         rng = np.random.default_rng(2)
         method = lagrangian_rings(4, 8, motion=lambda x: 1e-6 * rng.normal(size=x.shape) * [1.0, 0.0, 1.0])
-        dt, start = safety * method.reach / method.sound, method.totals().kinetic
+        dt, start = safety * method.stable_length / method.sound, method.totals().kinetic
         for _ in range(600):
             method.advance(dt)
         return bool(method.totals().kinetic < 4.0 * start)

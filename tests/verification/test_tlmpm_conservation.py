@@ -64,7 +64,7 @@ def test_free_flight_over_many_cells_strains_nothing(fill: str, volume: str) -> 
     assert_allclose(points.position, points.reference + time * velocity, rtol=0, atol=strain * 9.0)
     assert_allclose(method.velocities(), np.broadcast_to(velocity, points.position.shape), rtol=strain)
     assert_allclose(points.shared.jacobian, 1.0, rtol=strain)
-    assert_allclose(points.material.stress, 0.0, atol=method.material.instantaneous_modulus * strain)
+    assert_allclose(points.material.stress, 0.0, atol=method.material.p_wave_modulus * strain)
 
 
 @each_volume
@@ -162,11 +162,7 @@ def test_nodes_beside_the_foot_stop_as_they_are() -> None:
     assert_array_equal(method.nodes.position[foot, 2], 0.0)
     assert_array_equal(method.nodes.velocity[foot, 2], 0.0)
     # what stops the foot, and half a step of the force of cells that are strained by less than v dt / h
-    assert (
-        mass * speed
-        <= now.impulse[2]
-        < mass * speed + 0.5 * dt * 4.0 * method.material.instantaneous_modulus * speed * dt
-    )
+    assert mass * speed <= now.impulse[2] < mass * speed + 0.5 * dt * 4.0 * method.material.p_wave_modulus * speed * dt
     assert_allclose(now.impulse[0], -0.2 * now.impulse[2], rtol=1e-3)  # what swells slides a little sideways too
     assert_allclose(now.contact, 0.5 * mass * speed**2, rtol=1e-10)
     for _ in range(200):
@@ -195,7 +191,7 @@ def test_sliding_block_feels_coulomb_friction() -> None:
 def test_slow_block_sticks_and_no_more() -> None:
     """The wall's push grows from nothing: it stops the foot as soon as it has taken its momentum, and then holds it."""
     slide, speed = 0.1, 10.0
-    law = ELASTIC._replace(bulk=2 / 3 * (ELASTIC.shear_arm + ELASTIC.shear_long))  # does not swell sideways
+    law = ELASTIC._replace(bulk=2 / 3 * (ELASTIC.shear_maxwell + ELASTIC.shear_long))  # does not swell sideways
     method = brick((3, 3, 3), law, (rigid_wall(0.0, 0.5),), flying(slide, 0.0, -speed))
     steps(method, 8)
     foot = method.nodes.partner >= 0
@@ -266,7 +262,7 @@ def test_restored_run_goes_on_bit_for_bit(volume: str) -> None:
 
 
 def test_planes_of_the_rod_s_nodes_begin_with_its_foot() -> None:
-    method = rod()
+    method = rod(walls=(rigid_wall(0.0, 0.0),))
     heights = levels(method, method.reference[:, 2])
     assert_allclose(heights, np.arange(13) * 0.5, rtol=0, atol=1e-12)
     assert ((method.nodes.partner >= 0) == (method.reference[:, 2] < 0.25)).all()

@@ -44,14 +44,14 @@ def error(cells: int, volume: str) -> float:
     method = brick((cells, cells, cells), ELASTIC, walls, motion, cell=cell, volume=volume, safety=0.5)
     count = int(np.ceil(TIME / method.stable_step() * 1.3))
     dt, mass = TIME / count, method.nodes.mass[:, None]
-    answer, now = method._answer, [0.0]
+    strain, now = method.strain, [0.0]
 
     def driven(step: float) -> None:
         now[0] += step
-        answer(step)
+        strain(step)
         method.nodes.force[:] += mass * body_force(method.reference, now[0])
 
-    method._answer = driven  # pyright: ignore[reportAttributeAccessIssue]
+    method.strain = driven  # pyright: ignore[reportAttributeAccessIssue]
     for _ in range(count):
         method.advance(dt)
     missed = method.nodes.position - method.reference - displacement(method.reference, TIME)

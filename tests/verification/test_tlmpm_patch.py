@@ -120,7 +120,7 @@ def test_reach_bounds_the_step_sharply() -> None:
     def survives(safety: float) -> bool:
         rng = np.random.default_rng(2)
         method = brick((3, 3, 3), motion=lambda x: 1e-6 * rng.normal(size=x.shape), volume="local")
-        dt, start = safety * method.reach / method.sound, method.totals().kinetic
+        dt, start = safety * method.stable_length / method.sound, method.totals().kinetic
         for _ in range(600):
             method.advance(dt)
         return bool(method.totals().kinetic < 4.0 * start)
@@ -134,7 +134,7 @@ def test_step_follows_the_smallest_stretch(squeeze: float) -> None:
     method = brick((2, 2, 2))
     moved(method, method.reference * [0.0, 0.0, squeeze - 1.0], 1.0)
     smallest, J = min(squeeze, 1.0), squeeze
-    assert_allclose(method.critical.min(), method.reach * smallest / (method.sound * np.sqrt(J)), rtol=SMALL)
+    assert_allclose(method.critical.min(), method.stable_length * smallest / (method.sound * np.sqrt(J)), rtol=SMALL)
 
 
 def test_levels_are_planes_of_nodes() -> None:

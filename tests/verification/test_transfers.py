@@ -37,8 +37,8 @@ def cube(transfer: Transfer, cells: int = 2, uneven: float = 0.0, **choices: Any
 
 def stirred(method: MaterialPointMethod) -> MaterialPointMethod:
     random = np.random.default_rng(3)
-    for field, size in (("velocity", 10.0), ("stress", 20.0), ("affine", 3.0)):
-        values = getattr(method.points, field)
+    points = method.points
+    for values, size in ((points.velocity, 10.0), (points.material.stress, 20.0), (points.affine, 3.0)):
         values[:] = random.normal(size=values.shape, scale=size)
     return method
 
@@ -214,7 +214,7 @@ def amplitudes(transfer: Any, scheme: str, k: float, cell: float, dt: float, ste
     see = np.array([3 * np.cos(kh / 4) + np.cos(3 * kh / 4), 3 * np.sin(kh / 4) - np.sin(3 * kh / 4)]) / 4
     slope, rest = 2 / cell * np.sin(kh / 2), 1 - see @ see
     u, stress, c, found = np.array([1.0, 0.0]), 0.0, 0.0, []
-    growth = ELASTIC.instantaneous_modulus * dt * slope
+    growth = ELASTIC.p_wave_modulus * dt * slope
     for _ in range(steps):
         if scheme == "usf":
             stress += growth * (see @ u + rest * c)

@@ -10,29 +10,15 @@ leaves. In between the wall answers to the force on the node alone. Nodes withou
 onto the wall, are stopped as they are.
 """
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from viscopoint.errors import InputError
+from viscopoint.interactions import rows as of_rows
 from viscopoint.interactions.planes import Interaction, Plane
-from viscopoint.interactions.rows import (
-    FRICTION_WORK,
-    LAMBDA,
-    NORMAL,
-    NORMAL_WORK,
-    POINT,
-    REACTIONS,
-    TWO_SIDED,
-    VELOCITY,
-    Rows,
-    add_row,
-    add_slot,
-    load_slot,
-    with_room,
-)
+from viscopoint.interactions.rows import REACTIONS, Rows, add_row, add_slot, load_slot, with_room
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import PARTS, inline, kernel, serial_kernel
 from viscopoint.kernels.slabs import chunk
@@ -53,9 +39,9 @@ class PlanesOnNodes:
         """
         self.interactions = tuple(interactions)
         self.slot_of = np.full(len(nodes.mass), -1)
-        self.redistributes = bool((nodes.partner >= 0).any())
         self.reactions = np.zeros((len(self.interactions), REACTIONS))  # of each, since the start
-        self._planes = [(each.plane, _held(each, nodes.position)) for each in self.interactions]
+        planes = [(number, each.plane, _held(each, nodes.position)) for number, each in enumerate(interactions)]
+        self._planes = sorted(planes, key=lambda each: each[1].two_sided)  # walls first: they may hand mass on
 
     def find(self, rows: Rows, body: int, first: int, nodes: Nodes, time: float, flight: float) -> Rows:
         """Add the rows of all planes to those of other bodies.
@@ -68,23 +54,15 @@ class PlanesOnNodes:
             time: half a step [ms].
             flight: how long nodes will move with that velocity [ms].
         """
-        for number, (plane, held) in enumerate(self._planes):
+        for order, (number, plane, held) in enumerate(self._planes):
             if not plane.two_sided:
                 approach(nodes, plane, flight)
                 held = np.flatnonzero(nodes.pressed)
             if len(held):
-                rows = with_room(rows, len(held))
-                account = self.reactions[number]
-                meet(nodes, plane, held, self.slot_of, rows, body, first + number, time, flight, account)
+                rows, owner, redistributes = with_room(rows, len(held)), first + number, order == 0
+                work = self.reactions[number]
+                meet(nodes, plane, redistributes, held, self.slot_of, rows, body, owner, time, flight, work)
         return rows
-
-    def resume(self, rows: Rows, body: int, nodes: Nodes, time: float) -> None:
-        """Bring up to date what rows know of this body's nodes, and balance nodes that stand on a wall."""
-        for number, (plane, _) in enumerate(self._planes):
-            if not plane.two_sided and self.redistributes:
-                stand_still(nodes, plane, time, self.reactions[number])
-        if rows.size[1] > 0:
-            reload(nodes, rows, body, time)
 
 
 def _held(interaction: Interaction, position: Array) -> Indices:
@@ -112,48 +90,73 @@ def approach(part: int, nodes: Nodes, plane: Plane, flight: float) -> None:
 
 @serial_kernel
 def meet(
-    nodes: Nodes, plane: Plane, found: Indices, slot_of: Indices, rows: Rows, body: int, owner: int, time: float,
-    flight: float, reactions: Array,
+    nodes: Nodes, plane: Plane, redistributes: bool, found: Indices, slot_of: Indices, rows: Rows, body: int,
+    owner: int, time: float, flight: float, reactions: Array,
 ) -> None:  # fmt: skip
-    """Let a plane act on nodes that it holds, or that are on it or would pass it within ``flight``."""
+    """Let a plane act on nodes that it holds, or that are on it or would pass it within ``flight``.
+
+    ``redistributes``: whether mass goes to partners on this wall, the first one.
+    """
     normal, point = read_vector(plane.normal), read_vector(plane.point)
-    for n in found:
-        least = plane.speed
-        if not plane.two_sided:
+    rests = redistributes and not plane.two_sided
+    if rests:
+        for n in found:
+            least = least_speed(nodes, n, plane, flight)
             if nodes.normal_mass[n] == 0.0:
-                stand(nodes, n, plane, time, reactions)
+                given = rest(nodes, n, normal, plane.speed, time)
+            elif nodes.partner[n] >= 0 and dot(read_vector(nodes.velocity[n]), normal) < least:
+                given = touch(nodes, n, least, reactions)
+            else:
                 continue
-            least -= dot(read_vector(nodes.position[n]) - point, normal) / flight  # leads just onto the plane
-            if not dot(read_vector(nodes.velocity[n]), normal) < least:
-                continue  # one that touched before has slowed it down
-            if nodes.partner[n] >= 0:
-                touch(nodes, n, least, reactions)
-                continue
-        s: Any = slot_of[n]
-        if s < 0:
-            s = slot_of[n] = add_slot(rows, body, n)
-            load_node(nodes, n, rows, s, time)
-        add_row(rows, s, owner, normal, point, least, plane.friction, plane.two_sided)
-
-
-@serial_kernel
-def stand_still(nodes: Nodes, plane: Plane, time: float, reactions: Array) -> None:
-    """Balance the nodes that stand on a wall."""
-    for n in range(len(nodes.mass)):
-        if nodes.normal_mass[n] == 0.0:
-            stand(nodes, n, plane, time, reactions)
+            if nodes.normal_mass[n] == 0.0:
+                s: Any = slot_of_node(nodes, n, slot_of, rows, body, time)
+                add_row(rows, s, owner, normal, point, plane.speed, plane.friction, False, given)
+    for n in found:
+        least = least_speed(nodes, n, plane, flight)
+        passes = plane.two_sided or dot(read_vector(nodes.velocity[n]), normal) < least
+        if passes and not (rests and nodes.normal_mass[n] == 0.0):
+            s: Any = slot_of_node(nodes, n, slot_of, rows, body, time)
+            add_row(rows, s, owner, normal, point, least, plane.friction, plane.two_sided, -1.0)
 
 
 @inline
-def load_node(nodes: Nodes, n: int, rows: Rows, s: int, time: float) -> None:
+def least_speed(nodes: Nodes, n: int, plane: Plane, flight: float) -> float:
+    """Return the speed along a plane's normal that leads a node just onto it, or with it."""
+    if plane.two_sided:
+        return plane.speed
+    gap = dot(read_vector(nodes.position[n]) - read_vector(plane.point), read_vector(plane.normal))
+    return plane.speed - gap / flight
+
+
+@inline
+def slot_of_node(nodes: Nodes, n: int, slot_of: Indices, rows: Rows, body: int, time: float) -> Any:
+    """Return the slot of a node, a new one if it has none."""
+    if slot_of[n] < 0:
+        slot_of[n] = add_slot(rows, body, n)
+        load_node(nodes, n, rows, slot_of[n], time)
+    return slot_of[n]
+
+
+@inline
+def load_node(nodes: Nodes, n: int, rows: Rows, s: Any, time: float) -> None:
     """Say how a node moves, in a slot."""
     velocity, inverse = read_vector(nodes.velocity[n]), read_vector(nodes.inverse_mass[n])
     load_slot(rows, s, velocity - impulse_of_force(nodes, n, time), velocity, inverse)
+    m, along = nodes.mass[n], nodes.normal_mass[n]
+    more = 0.0 if along == m else (1.0 / along if along > 0.0 else 0.0) - 1.0 / m
+    write_vector(rows.motion[s][of_rows.DIRECTION :], read_vector(nodes.normal))
+    rows.motion[s, of_rows.MORE] = more
 
 
 @serial_kernel
-def reload(nodes: Nodes, rows: Rows, body: int, time: float) -> None:
-    """Bring the slots of a body up to date."""
+def resume(nodes: Nodes, rows: Rows, body: int, time: float) -> None:
+    """Bring up to date what rows know of a body's nodes, and balance nodes that rest on a wall."""
+    for r in range(rows.size[0]):
+        s = rows.slot[rows.start[r]]
+        if rows.node[s, 0] == body and rows.row[r, of_rows.GIVEN] >= 0.0:
+            n: Any = rows.node[s, 1]
+            normal, speed = read_vector(rows.row[r][of_rows.NORMAL :]), rows.row[r, of_rows.LEAST]
+            rows.row[r, of_rows.GIVEN] = rest(nodes, n, normal, speed, time)
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             load_node(nodes, rows.node[s, 1], rows, s, time)
@@ -164,17 +167,18 @@ def take_velocity(nodes: Nodes, rows: Rows, body: int) -> None:
     """Let the nodes have the velocity that their slots have."""
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
-            write_vector(nodes.velocity[rows.node[s, 1]], read_vector(rows.motion[s][VELOCITY:]))
+            write_vector(nodes.velocity[rows.node[s, 1]], read_vector(rows.motion[s][of_rows.VELOCITY :]))
 
 
 @serial_kernel
 def settle(nodes: Nodes, rows: Rows, body: int, slot_of: Indices) -> None:
     """Put the nodes that a wall has stopped onto it, to the last bit."""
     for r in range(rows.size[0]):
-        s = rows.slot[rows.start[r]]
-        if rows.node[s, 0] == body and rows.row[r, TWO_SIDED] == 0.0 and rows.row[r, LAMBDA] > 0.0:
+        s, row = rows.slot[rows.start[r]], rows.row[r]
+        stopped = row[of_rows.LAMBDA] > 0.0 or row[of_rows.GIVEN] >= 0.0
+        if rows.node[s, 0] == body and row[of_rows.TWO_SIDED] == 0.0 and stopped:
             n: Any = rows.node[s, 1]
-            onto(nodes, n, read_vector(rows.row[r][NORMAL:]), read_vector(rows.row[r][POINT:]))
+            onto(nodes, n, read_vector(row[of_rows.NORMAL :]), read_vector(row[of_rows.POINT :]))
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             slot_of[rows.node[s, 1]] = -1
@@ -188,57 +192,38 @@ def onto(nodes: Nodes, n: int, normal: Vec, point: Vec) -> None:
 
 
 @inline
-def stand(nodes: Nodes, n: int, plane: Plane, time: float, reactions: Array) -> None:
-    """Balance the force on a node without mass along the normal, or let it go where that would take a pull."""
-    normal, velocity = read_vector(plane.normal), read_vector(nodes.velocity[n])
-    force = dot(read_vector(nodes.force[n]), normal)
-    velocity = velocity - (dot(velocity, normal) - plane.speed) * normal
-    write_vector(nodes.velocity[n], velocity)
-    onto(nodes, n, normal, read_vector(plane.point))
-    if force <= 0.0:
-        push(reactions, (-time * force) * normal)
-        rub(nodes, n, plane, -time * force, time, reactions)
-        return
-    m, other = nodes.mass[n], nodes.partner[n]
-    nodes.normal_mass[other] -= m
-    nodes.normal_mass[n] = m
-    along = dot(read_vector(nodes.velocity[other]), normal) + time / m * force
-    write_vector(nodes.velocity[n], velocity + (along - plane.speed) * normal)
-    nodes.pressed[n] = 0
+def rest(nodes: Nodes, n: int, normal: Vec, speed: float, time: float) -> float:
+    """Keep a node without mass along the normal on its wall, and return the impulse that balances its force.
+
+    Where that would take a pull the node has its mass back, the partner's speed, and no impulse.
+    """
+    if nodes.normal_mass[n] > 0.0:
+        return 0.0
+    force, velocity = dot(read_vector(nodes.force[n]), normal), read_vector(nodes.velocity[n])
+    along = speed
+    if force > 0.0:
+        m, other = nodes.mass[n], nodes.partner[n]
+        nodes.normal_mass[other] -= m
+        nodes.normal_mass[n] = m
+        nodes.pressed[n] = 0
+        along = dot(read_vector(nodes.velocity[other]), normal) + time / m * force
+    write_vector(nodes.velocity[n], velocity + (along - dot(velocity, normal)) * normal)
+    return 0.0 if force > 0.0 else -time * force
 
 
 @inline
-def touch(nodes: Nodes, n: int, least: float, reactions: Array) -> None:
-    """Hand momentum and mass along the normal to the partner; what their difference in speed was worth is lost."""
+def touch(nodes: Nodes, n: int, least: float, reactions: Array) -> float:
+    """Hand momentum and mass along the normal to the partner; what their difference in speed was worth is lost.
+
+    Returns the impulse of the wall: none.
+    """
     m, other, normal = nodes.normal_mass[n], nodes.partner[n], read_vector(nodes.normal)
     both = m + nodes.normal_mass[other]
     mine, its = read_vector(nodes.velocity[n]), read_vector(nodes.velocity[other])
     apart = dot(mine - its, normal)
-    reactions[NORMAL_WORK] -= 0.5 * m * nodes.normal_mass[other] / both * apart * apart
+    reactions[of_rows.NORMAL_WORK] -= 0.5 * m * nodes.normal_mass[other] / both * apart * apart
     write_vector(nodes.velocity[other], its + (m / both * apart) * normal)
     write_vector(nodes.velocity[n], mine + (least - dot(mine, normal)) * normal)
     nodes.normal_mass[other] = both
     nodes.normal_mass[n] = 0.0
-
-
-@inline
-def rub(nodes: Nodes, n: int, plane: Plane, impulse: float, time: float, reactions: Array) -> None:
-    """Give a node that stands on a plane the friction of a normal impulse; its work is that of ``rows.solve``."""
-    velocity, m = read_vector(nodes.velocity[n]), nodes.mass[n]
-    normal = read_vector(plane.normal)
-    sliding = velocity - dot(velocity, normal) * normal
-    speed = math.sqrt(dot(sliding, sliding))
-    share = min(1.0, plane.friction * impulse / (m * speed)) if speed > 0.0 else 0.0
-    taken = (-share) * sliding
-    before = sliding - impulse_of_force(nodes, n, time)
-    write_vector(nodes.velocity[n], velocity + taken)
-    push(reactions, m * taken)
-    reactions[FRICTION_WORK] += 0.5 * m * dot(taken, sliding + taken + before)
-
-
-@inline
-def push(reactions: Array, impulse: Vec) -> None:
-    """Add an impulse to the account."""
-    reactions[0] += impulse.x
-    reactions[1] += impulse.y
-    reactions[2] += impulse.z
+    return 0.0

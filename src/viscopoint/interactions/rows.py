@@ -20,9 +20,9 @@ from viscopoint.kernels.jit import inline, serial_kernel
 from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
 
 # columns of ``Rows.row``
-NORMAL, POINT, LEAST, FRICTION, TWO_SIDED, LAMBDA, TANGENTIAL, ROW = 0, 3, 6, 7, 8, 9, 10, 13
+NORMAL, POINT, LEAST, FRICTION, TWO_SIDED, GIVEN, LAMBDA, TANGENTIAL, ROW = 0, 3, 6, 7, 8, 9, 10, 11, 14
 # columns of ``Rows.motion``
-VELOCITY, BEFORE, TRIAL, INVERSE, MOTION = 0, 3, 6, 9, 12
+VELOCITY, BEFORE, TRIAL, INVERSE, DIRECTION, MORE, MOTION = 0, 3, 6, 9, 12, 15, 16
 # what an interaction does to a body: impulse x, y, z [N ms]; work of the normal and of the tangential impulse [mJ]
 REACTIONS, NORMAL_WORK, FRICTION_WORK = 5, 3, 4
 SWEEPS, CLOSE = 100, 1e-12  # at most; of the greatest change of velocity in the first sweep
@@ -35,12 +35,13 @@ class Rows(NamedTuple):
     start: Indices  # [r + 1], where each row's entries begin
     slot: Indices  # [k], of an entry
     weight: Array  # [k], w
-    row: Array  # [r, ROW]: n, a point on the plane, least u · n, μ, whether two-sided; then λ and τ, N ms
+    # [r, ROW]: n, a point on the plane, least u · n, μ, whether two-sided, λ if it is known (else -1); then λ, τ [N ms]
+    row: Array
     owner: Indices  # [r], the interaction, whose reaction it is
     node: Indices  # [s, 2], body and node of a slot
-    motion: (
-        Array  # [s, MOTION]: v; v before forces and constraints; v after the forces [mm/ms]; 1/m along x, y, z [1/g]
-    )
+    # [s, MOTION]: v; v before forces and constraints; v after the forces [mm/ms]; 1/m along x, y, z, and how much more
+    # it is along a direction [1/g]
+    motion: Array
 
 
 def empty_rows(capacity: int) -> Rows:
@@ -70,16 +71,17 @@ def with_room(rows: Rows, more: int) -> Rows:
 
 @inline
 def add_row(
-    rows: Rows, slot: int, owner: int, normal: Vec, point: Vec, least: float, friction: float, two_sided: bool
-) -> None:
-    """Add a row of one node."""
+    rows: Rows, slot: int, owner: int, normal: Vec, point: Vec, least: float, friction: float, two_sided: bool,
+    given: float,
+) -> None:  # fmt: skip
+    """Add a row of one node; ``given`` is λ if it is known [N ms], and -1 if not."""
     r = rows.size[0]
     rows.slot[r], rows.weight[r], rows.owner[r] = slot, 1.0, owner
     rows.start[r + 1] = r + 1
     row = rows.row[r]
     write_vector(row[NORMAL:], normal)
     write_vector(row[POINT:], point)
-    row[LEAST], row[FRICTION], row[TWO_SIDED] = least, friction, 1.0 if two_sided else 0.0
+    row[LEAST], row[FRICTION], row[TWO_SIDED], row[GIVEN] = least, friction, 1.0 if two_sided else 0.0, given
     rows.size[0] = r + 1
 
 
@@ -100,6 +102,7 @@ def load_slot(rows: Rows, s: int, before: Vec, velocity: Vec, inverse_mass: Vec)
     write_vector(motion[BEFORE:], before)
     write_vector(motion[TRIAL:], velocity)
     write_vector(motion[INVERSE:], inverse_mass)
+    motion[MORE] = 0.0
 
 
 @serial_kernel
@@ -112,6 +115,7 @@ def solve(rows: Rows, begin: int, end: int, reactions: Array) -> None:
     for r in range(begin, end):
         for column in range(LAMBDA, ROW):
             rows.row[r, column] = 0.0
+        rows.row[r, LAMBDA] = max(rows.row[r, GIVEN], 0.0)
         for k in range(rows.start[r], rows.start[r + 1]):
             least, most = min(least, rows.slot[k]), max(most, rows.slot[k])
     alone = rows.start[end] - rows.start[begin] == most - least + 1  # each slot in one row
@@ -132,28 +136,30 @@ def solve(rows: Rows, begin: int, end: int, reactions: Array) -> None:
 def relax_bounds(rows: Rows) -> None:
     """Let one-sided rows hold what they have stopped, and nothing else: for the second half of a step."""
     for r in range(rows.size[0]):
-        if rows.row[r, TWO_SIDED] == 0.0:
+        if rows.row[r, TWO_SIDED] == 0.0 and rows.row[r, GIVEN] < 0.0:
             rows.row[r, LEAST] = 0.0 if rows.row[r, LAMBDA] > 0.0 else -np.inf
 
 
 @inline
 def _relax(rows: Rows, r: int) -> float:
     """Let row r take what its nodes lack; return the change of its velocity [mm/ms]."""
-    row, entries = rows.row[r], range(rows.start[r], rows.start[r + 1])
-    normal, before = read_vector(row[NORMAL:]), row[LAMBDA]
-    inverse, along = 0.0, 0.0
-    for k in entries:
-        w, motion = rows.weight[k], rows.motion[rows.slot[k]]
-        inverse += w * w * _inverse_along(motion, normal)
-        along += w * dot(read_vector(motion[VELOCITY:]), normal)
-    if not inverse > 0.0:  # held already
-        return 0.0
-    lacking = row[LEAST] - along
-    if row[TWO_SIDED] == 0.0:
-        lacking = max(lacking, -before * inverse)  # λ >= 0
-    row[LAMBDA] = before + lacking / inverse
-    _push(rows, r, normal, lacking, inverse)
-    return abs(lacking) + (_rub(rows, r, normal) if row[FRICTION] > 0.0 and row[LAMBDA] > 0.0 else 0.0)
+    row, change = rows.row[r], 0.0
+    normal = read_vector(row[NORMAL:])
+    if row[GIVEN] < 0.0:
+        before, inverse, along = row[LAMBDA], 0.0, 0.0
+        for k in range(rows.start[r], rows.start[r + 1]):
+            w, motion = rows.weight[k], rows.motion[rows.slot[k]]
+            inverse += w * w * _inverse_along(motion, normal)
+            along += w * dot(read_vector(motion[VELOCITY:]), normal)
+        if not inverse > 0.0:  # held already
+            return 0.0
+        lacking = row[LEAST] - along
+        if row[TWO_SIDED] == 0.0:
+            lacking = max(lacking, -before * inverse)  # λ >= 0
+        row[LAMBDA] = before + lacking / inverse
+        _push(rows, r, normal, lacking, inverse)
+        change = abs(lacking)
+    return change + (_rub(rows, r, normal) if row[FRICTION] > 0.0 and row[LAMBDA] > 0.0 else 0.0)
 
 
 @inline
@@ -199,12 +205,20 @@ def _push(rows: Rows, r: int, direction: Vec, change: float, inverse: float) -> 
             own = w * motion[INVERSE + a]
             share = 1.0 if own == inverse else own / inverse  # divisions by the same number become its reciprocal
             motion[VELOCITY + a] += share * (part * change)
+        if motion[MORE] != 0.0:
+            along = read_vector(motion[DIRECTION:])
+            more = (w * motion[MORE] / inverse * change * dot(direction, along)) * along
+            write_vector(motion[VELOCITY:], read_vector(motion[VELOCITY:]) + more)
 
 
 @inline
 def _inverse_along(motion: Array, n: Vec) -> float:
     """Return n · M⁻¹ n of a slot [1/g]."""
-    return motion[INVERSE] * n.x * n.x + motion[INVERSE + 1] * n.y * n.y + motion[INVERSE + 2] * n.z * n.z
+    plain = motion[INVERSE] * n.x * n.x + motion[INVERSE + 1] * n.y * n.y + motion[INVERSE + 2] * n.z * n.z
+    if motion[MORE] == 0.0:
+        return plain
+    along = dot(n, read_vector(motion[DIRECTION:]))
+    return plain + motion[MORE] * along * along
 
 
 @inline
@@ -225,7 +239,7 @@ def _account(rows: Rows, r: int, reactions: Array) -> None:
         reactions[1] += impulse.y
         reactions[2] += impulse.z
         along = w * row[LAMBDA]
-        if row[LAMBDA] != 0.0:
+        if row[LAMBDA] != 0.0 and row[GIVEN] < 0.0:
             forced = dot(read_vector(motion[TRIAL:]) - read_vector(motion[BEFORE:]), normal)
             along += forced / _inverse_along(motion, normal)
         reactions[NORMAL_WORK] += along * dot(mean, normal)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from viscopoint.integrators.central_differences import CentralDifferences
-from viscopoint.interactions.on_nodes import PlanesOnNodes, settle, take_velocity
+from viscopoint.interactions.on_nodes import PlanesOnNodes, resume, settle, take_velocity
 from viscopoint.interactions.planes import Interaction
 from viscopoint.interactions.rows import FRICTION_WORK, NORMAL_WORK, Rows
 from viscopoint.kernels.arrays import AnyArray, Array
@@ -77,7 +77,8 @@ class LagrangianBody(ABC):
         motion.kick(self.nodes, 0.5 * dt)
 
     def constrain_again(self, rows: Rows, number: int, dt: float) -> None:
-        self.planes.resume(rows, number, self.nodes, 0.5 * dt)
+        if rows.size[0]:
+            resume(self.nodes, rows, number, 0.5 * dt)
 
     def arrive(self, rows: Rows, number: int) -> None:
         if rows.size[0]:

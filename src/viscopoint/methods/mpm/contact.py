@@ -155,7 +155,7 @@ def meet(
                     inverse = 1.0 / m
                     before = inverse * read_vector(grid.momentum[n])
                     load_slot(rows, s, before, velocity, Vec(inverse, inverse, inverse))
-                add_row(rows, s, owner, normal, point, plane.speed, plane.friction, plane.two_sided)
+                add_row(rows, s, owner, normal, point, plane.speed, plane.friction, plane.two_sided, -1.0)
 
 
 @serial_kernel

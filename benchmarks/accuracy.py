@@ -2,7 +2,7 @@
 
     python benchmarks/accuracy.py run     # about an hour on two cores; complete runs are used again
     python benchmarks/accuracy.py cost    # processor time of each variant, on an otherwise idle machine: some minutes
-    python benchmarks/accuracy.py show    # tables as Markdown, docs/accuracy.csv, figures into docs/figures
+    python benchmarks/accuracy_shown.py   # tables as Markdown, docs/accuracy.csv, figures into docs/figures
 
 Runs go to runs/accuracy. Errors are differences from the limit (Richardson) of axisymmetric finite elements of three
 sizes; outlines are held against those of the finest.
@@ -195,12 +195,5 @@ def processor_time(name: str, key: str, spacing: float, end: str) -> float:
     return steps * growth * costs[f"{key}-{max(spacing, USUAL)}"]
 
 
-def show() -> None:
-    """Print the tables and draw the figures."""
-    from accuracy_shown import show_all
-
-    show_all()
-
-
 if __name__ == "__main__":
-    {"run": run_all, "cost": cost, "show": show}[sys.argv[1]]()
+    {"run": run_all, "cost": cost}[sys.argv[1]]()

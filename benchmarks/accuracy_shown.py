@@ -153,3 +153,7 @@ def pareto(everything: Everything) -> Figure:
     axis.legend(fontsize=8)
     axis.grid(which="both", alpha=0.2)
     return figure
+
+
+if __name__ == "__main__":
+    show_all()

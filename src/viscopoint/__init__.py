@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from viscopoint.comparison import Comparison, compare
     from viscopoint.errors import CaseError, InputError, OutputError, ResultWarning, ViscopointError, ViscopointWarning
     from viscopoint.reproduction import Reproduction, reproduce
-    from viscopoint.results.run import Run, Snapshot
+    from viscopoint.results.reader import Snapshot
+    from viscopoint.results.run import Run
     from viscopoint.results.running import resume, run
 
 # A thread that waits for the others spins some ten microseconds, then sleeps. By default GNU OpenMP spins for about a

@@ -20,7 +20,7 @@ from viscopoint.model.body import Body, Surface, spacing
 from viscopoint.model.measurements import measure
 from viscopoint.model.method import Field
 from viscopoint.report.scene import scene_of
-from viscopoint.results.run import Snapshot
+from viscopoint.results.reader import Snapshot
 
 RINGS = {"method.geometry": "axisymmetric", "method.size": "0.76 mm", "time.end": "2 us", "time.snapshots": ["1 us"]}
 RADIUS, LENGTH = 3.8, 25.4  # mm, of the paper's rod

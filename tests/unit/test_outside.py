@@ -137,14 +137,15 @@ def test_a_run_is_not_resumed_with_an_edited_material_from_outside(tmp_path: Pat
 
 def test_a_material_that_is_not_used_does_not_count(tmp_path: Path):
     write_material(tmp_path, 1.0)
-    code = "import viscopoint as vp\nfrom viscopoint.kernels.sources import digest, sources_of\n"
+    code = "import viscopoint as vp\nfrom viscopoint.kernels.sources import digest\n"
+    code += "from viscopoint.results.provenance import sources_of\n"
     code += "print(sources_of(vp.Case.load('paper')) == digest())"
     assert python("import material_of_mine\n" + code, tmp_path).strip() == "True"
 
 
 def test_a_material_that_is_in_no_file_counts_as_another_in_each_process(tmp_path: Path):
     write_material(tmp_path, 1.0)
-    code = f"{MATERIAL}\nimport viscopoint as vp\nfrom viscopoint.kernels.sources import sources_of\n"
+    code = f"{MATERIAL}\nimport viscopoint as vp\nfrom viscopoint.results.provenance import sources_of\n"
     code += "material = {'law': 'mine', 'density': '1 g/cm^3', 'bulk': '550 MPa'}\n"
     code += "print(sources_of(vp.Case.load('paper').with_(material=material)))"
     assert len({python(code, tmp_path) for _ in range(2)}) == 2

@@ -13,7 +13,7 @@ from viscopoint.model.method import Field
 from viscopoint.report.packing import Packed
 from viscopoint.report.scene import QUANTITIES, Scene, scene_of
 from viscopoint.report.surfaces import at_points, skin_of_elements, skin_of_points
-from viscopoint.results.run import Snapshot
+from viscopoint.results.reader import Snapshot
 
 FAST = {
     "method.size": "1.5 mm", "method.safety": 0.5, "method.delete_below": 0.1, "impact.speed": "1000 m/s",

@@ -22,7 +22,8 @@ from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 from viscopoint.methods.mpm.contacts import CONTACTS
 from viscopoint.methods.mpm.fills.lattice import rod_lattice
-from viscopoint.methods.mpm.grid import Box, Grid, zero
+from viscopoint.methods.mpm.geometry import Box
+from viscopoint.methods.mpm.grid import Grid, zero
 from viscopoint.methods.mpm.mapping import scatter_momentum_and_force
 from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.schemes import SCHEMES

@@ -18,7 +18,8 @@ from scipy.special import j0, j1
 from viscopoint.interactions.planes import Interaction
 from viscopoint.methods.mpm.contacts import CONTACTS
 from viscopoint.methods.mpm.fills.meridian import boxes
-from viscopoint.methods.mpm.grid import Box, HalfPlane
+from viscopoint.methods.mpm.geometry import Box
+from viscopoint.methods.mpm.grid import HalfPlane
 from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.schemes import SCHEMES
 from viscopoint.methods.mpm.shapes import SHAPES

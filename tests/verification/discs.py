@@ -14,7 +14,7 @@ from viscopoint.interactions.planes import symmetry_plane
 from viscopoint.materials.elastic import Elastic
 from viscopoint.methods.mpm.contacts.nodes import Nodes
 from viscopoint.methods.mpm.fills import FILLS
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.schemes import SCHEMES
 from viscopoint.methods.mpm.shapes import SHAPES

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.methods.mpm.contacts import CONTACTS
 from viscopoint.methods.mpm.fills.lattice import rod_lattice
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.schemes import SCHEMES
 from viscopoint.methods.mpm.shapes import SHAPES

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from test_tlmpm_manufactured import AMPLITUDE, RATE, SIDE, TIME, body_force, displacement
 
 from viscopoint.interactions.planes import symmetry_plane
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.schemes import SCHEMES
 from viscopoint.methods.mpm.shapes import SHAPES

@@ -12,7 +12,7 @@ from viscopoint.kernels.arrays import Indices
 from viscopoint.materials.block import MaterialBlock
 from viscopoint.materials.elastic import Elastic
 from viscopoint.methods.mpm.fills.trimmed import rod_trimmed
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.points import at_rest
 from viscopoint.methods.mpm.schemes import SCHEMES

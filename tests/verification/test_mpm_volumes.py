@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from viscopoint.kernels.tensors import components
 from viscopoint.materials.elastic import Elastic
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.shapes import SHAPES
 from viscopoint.methods.mpm.volumes import VOLUMES, pull

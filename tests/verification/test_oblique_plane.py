@@ -18,7 +18,7 @@ from viscopoint.interactions.planes import RigidPlane
 from viscopoint.interactions.rows import NORMAL_WORK
 from viscopoint.kernels.arrays import Indices
 from viscopoint.methods.fem.elements import Element
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 from viscopoint.model.method import Totals
 
 pytestmark = pytest.mark.usefixtures("one_thread")

@@ -16,7 +16,7 @@ from columns import ELASTIC, one_thread  # noqa: F401
 from numpy.testing import assert_allclose
 
 from viscopoint.interactions.planes import rigid_wall
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 SMALL = 2.0**-10  # a micrometre for a millimetre: forces of micronewtons

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import viscopoint as vp
 from viscopoint.interactions.planes import rigid_wall
 from viscopoint.methods.mpm.fills.rings import rod_rings
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.transfers.affine_pic import Apic, Tpic
 from viscopoint.model.build import build

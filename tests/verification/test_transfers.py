@@ -9,7 +9,7 @@ from dense import dense, orbital, whirl
 from numpy.testing import assert_allclose
 from test_schemes import DENSITY, SPEED, STRAIN, amplitude, energies, ringing
 
-from viscopoint.methods.mpm.grid import Box
+from viscopoint.methods.mpm.geometry import Box
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.transfers import Transfer
 from viscopoint.methods.mpm.transfers.affine_pic import Apic, Tpic

@@ -18,10 +18,8 @@ from viscopoint.messages import one_line, unseen
 from viscopoint.model.viscosity import BulkViscosity
 
 if TYPE_CHECKING:
-    from viscopoint.materials import Material
     from viscopoint.model.body import Body
     from viscopoint.model.memory import Need
-    from viscopoint.model.method import Method
 
 MOST_SNAPSHOTS = 10_000
 MOST_ROWS = 10_000  # of history, if the case does not say how many
@@ -113,8 +111,8 @@ class MethodInput(Table):
         """Return the rod's points, and cells if the method has any."""
 
     @abstractmethod
-    def build(self, rod: "Rod", impact: "Impact", material: "Material") -> "Method":
-        """Return the rod on its way to the wall."""
+    def build(self, rod: "Rod", impact: "Impact", material: Any) -> Any:
+        """Return the rod of a material on its way to the wall: a ``model.method.Method``."""
 
 
 class Rod(Table):

@@ -17,7 +17,8 @@ from viscopoint.messages import one_line
 from viscopoint.model.body import in_half_plane
 from viscopoint.model.energy_balance import UNITS, Row
 from viscopoint.results.folder import FIGURES, SUMMARY, create, disk_faults, write_json
-from viscopoint.results.run import NEAR, Run
+from viscopoint.results.reader import NEAR
+from viscopoint.results.run import Run
 
 PHYSICS = ("rod", "impact", "material")  # tables of a case that say what happens; the others say how it is computed
 WINDOW = 0.5e-3  # ms over which the wall force is averaged: on a grid it comes in blows

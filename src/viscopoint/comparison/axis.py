@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.model.body import spacing
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Snapshot
+from viscopoint.results.run import Run
 
 CORE = 0.25  # radii from the axis: what is averaged, so that it matters little where a method has its points
 NEAR = 0.75  # spacings from the axis, if that is more; on a lattice the nearest four points of a layer stand at 0.71

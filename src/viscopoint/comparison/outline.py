@@ -11,7 +11,8 @@ import numpy as np
 import shapely
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Snapshot
+from viscopoint.results.run import Run
 
 DENSE = 0.05  # share of an outline's edge after which the distance is measured again
 

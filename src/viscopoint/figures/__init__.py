@@ -1,6 +1,6 @@
 """The figures of a run: one short file each, found by itself.
 
-A figure is a function of a ``Run`` that returns a Matplotlib figure, offered under the name of its PNG file.
+A figure is a function of a ``Reader`` that returns a Matplotlib figure, offered under the name of its PNG file.
 """
 
 import textwrap
@@ -17,11 +17,11 @@ from viscopoint.discovery import import_all
 from viscopoint.results.folder import whole
 
 if TYPE_CHECKING:
-    from viscopoint.results.run import Run
+    from viscopoint.results.reader import Reader
 
 T = TypeVar("T")
 
-FIGURES: dict[str, "Callable[[Run], Figure]"] = {}
+FIGURES: dict[str, "Callable[[Reader], Figure]"] = {}
 STYLE: Any = {
     "font.size": 9,
     "axes.spines.top": False,
@@ -38,23 +38,23 @@ MOST = 8  # snapshots in one figure
 SMALL, LETTER, LINE = 7, 0.06, 0.13  # of a caption: size of the font, points; of a letter at most and a line, inches
 
 
-def chosen(run: "Run") -> list[int]:
+def chosen(run: "Reader") -> list[int]:
     """Return the numbers of up to ``MOST`` snapshots, evenly spread, the first and the last among them."""
     last = len(run.times) - 1
     return sorted({round(last * share / (MOST - 1)) for share in range(MOST)})
 
 
-def offer(name: str) -> "Callable[[Callable[[Run], Figure]], Callable[[Run], Figure]]":
+def offer(name: str) -> "Callable[[Callable[[Reader], Figure]], Callable[[Reader], Figure]]":
     """Let every run draw the decorated figure as ``name``.png."""
 
-    def register(draw: "Callable[[Run], Figure]") -> "Callable[[Run], Figure]":
+    def register(draw: "Callable[[Reader], Figure]") -> "Callable[[Reader], Figure]":
         FIGURES[name] = draw
         return draw
 
     return register
 
 
-def draw_all(run: "Run", folder: Path) -> list[Path]:
+def draw_all(run: "Reader", folder: Path) -> list[Path]:
     """Draw all figures of a run into a folder."""
     return save_all(FIGURES, run, folder, description(run.case))
 

@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 from viscopoint.figures import COLOURS
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.model.body import spacing
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Reader, Snapshot
 
 COVER = 1.5  # width of a point's disc in spacings
 MOST = 20_000  # discs in one picture; more would be smaller than its pixels
@@ -20,18 +20,18 @@ GAP = 2.0  # in edges of a square of the picture: how far neighbours may be apar
 SLICE = 0.6  # half the thickness of the slice that is shown of a rod cut open, in spacings
 
 
-def outside(run: Run, snapshot: Snapshot) -> Indices:
+def outside(run: Reader, snapshot: Snapshot) -> Indices:
     """Return the points of the rod's surface."""
     surface = run.body.surface
     return np.unique(np.concatenate([surface.ring.ravel(), surface.tail[:, 0], surface.foot[:, 0]]))
 
 
-def cut_open(run: Run, snapshot: Snapshot) -> Indices:
+def cut_open(run: Reader, snapshot: Snapshot) -> Indices:
     """Return the points that started beside the plane y = 0."""
     return np.flatnonzero(np.abs(run.body.position[:, 1]) < SLICE * np.cbrt(run.body.volume))
 
 
-def paint(axis: Any, run: Run, snapshot: Snapshot, points: Indices, seen: Array, colours: Normalize) -> None:
+def paint(axis: Any, run: Reader, snapshot: Snapshot, points: Indices, seen: Array, colours: Normalize) -> None:
     """Draw points in their axial velocity, the far ones first, so that they cover what is behind."""
     points = points[snapshot["lost"][points] == 0]
     shown, apart = foremost(seen[points], spacing(run.body))

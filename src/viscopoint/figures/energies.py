@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from viscopoint.figures import offer
-from viscopoint.results.run import Run
+from viscopoint.results.reader import Reader
 
 TERMS = {
     "kinetic": "kinetic",
@@ -19,7 +19,7 @@ TERMS = {
 
 
 @offer("energies")
-def energies(run: Run) -> Figure:
+def energies(run: Reader) -> Figure:
     """Draw the terms that are not always zero, and below what the method itself lost or gained."""
     figure = Figure(figsize=(8.0, 6.0))
     room = {"left": 0.125, "right": 0.985, "bottom": 0.085, "top": 0.875, "hspace": 0.1}

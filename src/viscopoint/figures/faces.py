@@ -15,30 +15,30 @@ from viscopoint.figures import COLOURS, discs
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.methods.fem.mesh import outer_faces
 from viscopoint.model.body import in_half_plane
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Reader, Snapshot
 
 ON_CUT = 1e-9  # of the rod's width: an element whose centre is this close to the cut stays
 FINEST = 0.08  # mean width of a face over the rod's radius at which edges are still drawn; they would hide the colours
 EDGE: Any = {"edgecolors": (0.0, 0.0, 0.0, 0.3), "linewidths": 0.25}
 # Of each run the two latest sets of elements, whole and cut open, and their outer faces: to find them takes a second
 # for each million elements.
-_KNOWN: WeakKeyDictionary[Run, list[tuple[NDArray[np.bool_], Indices]]] = WeakKeyDictionary()
+_KNOWN: WeakKeyDictionary[Reader, list[tuple[NDArray[np.bool_], Indices]]] = WeakKeyDictionary()
 SEAM: Any = {"edgecolors": "face", "linewidths": 0.3}  # closes the gaps that smooth drawing leaves between faces
 
 
-def outside(run: Run, snapshot: Snapshot) -> Indices:
+def outside(run: Reader, snapshot: Snapshot) -> Indices:
     """Return the outer faces ``[f, 4]`` of the elements that were not deleted."""
     return _outer_faces(run, snapshot["deleted"] == 0)
 
 
-def cut_open(run: Run, snapshot: Snapshot) -> Indices:
+def cut_open(run: Reader, snapshot: Snapshot) -> Indices:
     """Return the outer faces of those elements that started behind the plane y = 0."""
     across = run.body.position[:, 1]
     behind = across[run.body.cells].mean(axis=1) > -ON_CUT * np.ptp(across)
     return _outer_faces(run, behind & (snapshot["deleted"] == 0))
 
 
-def _outer_faces(run: Run, elements: NDArray[np.bool_]) -> Indices:
+def _outer_faces(run: Reader, elements: NDArray[np.bool_]) -> Indices:
     """Return the outer faces of some elements, which most often are those of the snapshot before."""
     known = _KNOWN.setdefault(run, [])
     for others, faces in known:
@@ -49,7 +49,7 @@ def _outer_faces(run: Run, elements: NDArray[np.bool_]) -> Indices:
     return faces
 
 
-def paint(axis: Any, run: Run, snapshot: Snapshot, faces: Indices, seen: Array, colours: Normalize) -> None:
+def paint(axis: Any, run: Reader, snapshot: Snapshot, faces: Indices, seen: Array, colours: Normalize) -> None:
     """Draw faces in the mean axial velocity of their nodes, the far ones first, so that they cover what is behind."""
     draw(axis, snapshot, faces, seen, colours, lines(run))
 
@@ -73,7 +73,7 @@ def far_first(corners: Array) -> Indices:
     return np.flatnonzero(towards)[np.argsort(-corners[towards, :, 2].mean(axis=1), kind="stable")]
 
 
-def lines(run: Run) -> Any:
+def lines(run: Reader) -> Any:
     """Return how to draw the edges of faces: not at all, where they would hide the colours."""
     rod, count = run.case.rod, len(run.body.cells)
     section = in_half_plane(run.body)

@@ -9,10 +9,10 @@ from viscopoint.figures import discs, faces
 from viscopoint.figures.revolve import NONE, Revolved, halves, mantle, surface_points, turned
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.model.method import Field
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Reader, Snapshot
 
 
-def outside(run: Run, snapshot: Snapshot) -> tuple[Snapshot, Indices]:
+def outside(run: Reader, snapshot: Snapshot) -> tuple[Snapshot, Indices]:
     """Return the body's surface all around, and which of its points or faces to draw."""
     if len(run.body.cells):
         whole = mantle(run.body, run.body.cells[snapshot["deleted"] == 0])
@@ -21,7 +21,7 @@ def outside(run: Run, snapshot: Snapshot) -> tuple[Snapshot, Indices]:
     return _turned(whole, snapshot), np.arange(len(whole.points))
 
 
-def cut_open(run: Run, snapshot: Snapshot) -> tuple[Snapshot, Indices]:
+def cut_open(run: Reader, snapshot: Snapshot) -> tuple[Snapshot, Indices]:
     """Return the section on both sides of the axis, and which of its points or faces to draw."""
     cells, count = run.body.cells, len(run.body.position)
     if len(cells):
@@ -31,7 +31,7 @@ def cut_open(run: Run, snapshot: Snapshot) -> tuple[Snapshot, Indices]:
 
 
 def paint_outside(
-    axis: Any, run: Run, snapshot: Snapshot, shown: Indices, seen: Array, colours: Normalize
+    axis: Any, run: Reader, snapshot: Snapshot, shown: Indices, seen: Array, colours: Normalize
 ) -> None:  # fmt: skip
     """Draw what ``outside`` returned. Facets are no elements, and so have no edges."""
     if len(run.body.cells):

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from viscopoint.figures import offer
 from viscopoint.kernels.arrays import Array
-from viscopoint.results.run import Run
+from viscopoint.results.reader import Reader
 
 PANELS = (
     (("length",), "length (mm)"),
@@ -26,7 +26,7 @@ def _leave_out_spikes(axis: Any, force: Array) -> None:
 
 
 @offer("histories")
-def histories(run: Run) -> Figure:
+def histories(run: Reader) -> Figure:
     """Draw four panels over one time axis."""
     figure = Figure(figsize=(8.0, 5.5))
     room = {"left": 0.12, "right": 0.985, "bottom": 0.09, "top": 0.975, "wspace": 0.32, "hspace": 0.14}

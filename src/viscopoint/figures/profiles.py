@@ -5,11 +5,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from viscopoint.figures import COLOURS, chosen, offer
-from viscopoint.results.run import Run
+from viscopoint.results.reader import Reader
 
 
 @offer("profiles")
-def profiles(run: Run) -> Figure:
+def profiles(run: Reader) -> Figure:
     """Draw the outline to scale, from foot to tail and back on the other side of the axis."""
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")
     axis = figure.subplots()

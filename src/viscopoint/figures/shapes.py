@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from viscopoint.figures import COLOURS, chosen, discs, faces, halves, offer
 from viscopoint.kernels.arrays import Array
 from viscopoint.model.body import in_half_plane
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Reader, Snapshot
 
 TILT = np.radians(15.0)  # the camera looks down on the rod by this angle
 SEEN = ("position", "velocity", "lost", "deleted")  # the fields that pictures take
@@ -19,7 +19,7 @@ LEFT, RIGHT, TOP, BELOW, GAP = 0.65, 1.4, 0.35, 0.5, 0.35  # room for words arou
 
 
 @offer("shapes")
-def shapes(run: Run) -> Figure:
+def shapes(run: Reader) -> Figure:
     """Draw snapshots side by side."""
     numbers, colours = chosen(run), Normalize()
     figure = Figure()
@@ -57,7 +57,7 @@ def shapes(run: Run) -> Figure:
     return figure
 
 
-def _draw(axes: Any, run: Run, snapshot: Snapshot, colours: Normalize) -> tuple[float, float, float, float]:
+def _draw(axes: Any, run: Reader, snapshot: Snapshot, colours: Normalize) -> tuple[float, float, float, float]:
     """Draw one snapshot: from outside above, cut open below.
 
     Returns:

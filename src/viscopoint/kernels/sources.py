@@ -6,12 +6,6 @@ from collections.abc import Iterator
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType
-from typing import TYPE_CHECKING
-
-from viscopoint.kernels import outside
-
-if TYPE_CHECKING:
-    from viscopoint.case.case import Case
 
 # These only read run folders, or time what others compute: neither compiled code nor results depend on them.
 READERS = ("command_line", "figures", "comparison", "reproduction", "report", "bench")
@@ -58,9 +52,3 @@ def digest() -> str:
             result.update(str(place).encode())
             result.update(source.read_bytes())
     return result.hexdigest()[:16]
-
-
-def sources_of(case: "Case") -> str:
-    """Return a hash of all sources that compute and write the results of a case, laws of users included."""
-    others = outside.hashed((type(case.material), type(case.material.build()), type(case.method)))
-    return f"{digest()}+{others}" if others else digest()

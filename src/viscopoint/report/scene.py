@@ -13,7 +13,8 @@ from viscopoint.kernels.arrays import Array
 from viscopoint.model.body import Body, in_half_plane
 from viscopoint.report.packing import BYTES_PER_VALUE, Packed, pack, pack_indices
 from viscopoint.report.surfaces import Skin, at_points, skin_of_elements, skin_of_points, skin_of_rings
-from viscopoint.results.run import NEAR, Run, Snapshot
+from viscopoint.results.reader import NEAR, Snapshot
+from viscopoint.results.run import Run
 
 LIMIT = 6_000_000  # bytes of all shapes; beside Plotly's 4.8 MB that leaves room for figures
 COARSEST = 4  # spacings: larger cubes show no rod any more

@@ -10,7 +10,7 @@ from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.methods.fem.mesh import outer_faces
 from viscopoint.model.body import Body, in_half_plane, spacing
 from viscopoint.model.method import Field
-from viscopoint.results.run import Snapshot
+from viscopoint.results.reader import Snapshot
 
 
 class Skin(NamedTuple):

@@ -13,7 +13,8 @@ from viscopoint.case.case import Case
 from viscopoint.comparison import compare
 from viscopoint.comparison.axis import axial_velocity
 from viscopoint.reproduction.cases import WIDE, paper_case
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Snapshot
+from viscopoint.results.run import Run
 
 MATERIALS = {"β = 650 1/ms": "650", "elastic": "elastic-650"}  # the widest foot; waves that nothing damps
 FEM, AS_PAPER, TOGETHER = "FEM itself", "as in the paper", "boxes, rings, one dilatation"

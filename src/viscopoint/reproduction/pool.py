@@ -14,9 +14,9 @@ from typing import Any
 
 from viscopoint.case.case import Case
 from viscopoint.errors import InputError, ViscopointError
-from viscopoint.kernels.sources import sources_of
 from viscopoint.results.folder import CASE
 from viscopoint.results.interruption import Stop, noted
+from viscopoint.results.provenance import sources_of
 from viscopoint.results.run import Run
 
 Watch = Callable[[float, str], None]  # share done of the whole, what is going on

@@ -11,6 +11,8 @@ from typing import Any
 
 import numba
 
+from viscopoint.case.case import Case
+from viscopoint.kernels import outside
 from viscopoint.kernels.promise import promise
 from viscopoint.kernels.sources import digest
 from viscopoint.messages import one_line
@@ -78,3 +80,9 @@ def _processor() -> str:
         return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     except (OSError, StopIteration):
         return platform.processor()
+
+
+def sources_of(case: Case) -> str:
+    """Return a hash of all sources that compute and write the results of a case, laws of users included."""
+    others = outside.hashed((type(case.material), type(case.material.build()), type(case.method)))
+    return f"{digest()}+{others}" if others else digest()

@@ -13,7 +13,6 @@ from viscopoint.arguments import checked
 from viscopoint.case.case import Case
 from viscopoint.errors import InputError, ResultWarning, ViscopointWarning
 from viscopoint.kernels.promise import NOT_THE_SAME, differences, promise
-from viscopoint.kernels.sources import sources_of
 from viscopoint.kernels.threads import check, chosen, using
 from viscopoint.messages import clipped, one_line
 from viscopoint.model.build import Model, build
@@ -35,8 +34,9 @@ from viscopoint.results.folder import (
 )
 from viscopoint.results.interruption import noted
 from viscopoint.results.output import WRITERS, Mark, Writer
-from viscopoint.results.provenance import now, of_resuming, provenance
-from viscopoint.results.run import CORRUPT, Run
+from viscopoint.results.provenance import now, of_resuming, provenance, sources_of
+from viscopoint.results.reader import CORRUPT
+from viscopoint.results.run import Run
 from viscopoint.results.summary import ENDED, Summary
 
 MOST_STEPS = 100_000_000

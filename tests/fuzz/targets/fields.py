@@ -18,11 +18,12 @@ from edits import edited
 from viscopoint.errors import InputError
 from viscopoint.results.output import Mark
 from viscopoint.results.output.fields import NAME, Fields, check_of
-from viscopoint.results.run import CORRUPT, Run
+from viscopoint.results.reader import CORRUPT
+from viscopoint.results.run import Run
 
 MODULES = (
     "viscopoint.errors", "viscopoint.results.hdf5", "viscopoint.results.output.fields",
-    "viscopoint.results.transaction", "viscopoint.results.run",
+    "viscopoint.results.transaction", "viscopoint.results.reader",
 )  # fmt: skip
 JOURNAL = f".{NAME}.journal"
 HEAD = 30_000  # bytes at the beginning that describe the rest; most damage is done there

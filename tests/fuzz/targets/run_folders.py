@@ -17,7 +17,8 @@ from viscopoint.results.run import Run
 
 MODULES = (
     "json.decoder", "viscopoint.errors", "viscopoint.messages", "viscopoint.results.safe_read", "viscopoint.case.case",
-    "viscopoint.results.summary", "viscopoint.results.run", "viscopoint.comparison", "viscopoint.command_line.terminal",
+    "viscopoint.results.summary", "viscopoint.results.reader", "viscopoint.comparison",
+    "viscopoint.command_line.terminal",
 )  # fmt: skip
 NAMES = (PROVENANCE, SUMMARY, CASE, HISTORY)
 PIECES = (

@@ -20,16 +20,20 @@ mirror image itself; of v_z it keeps linear fields, one weight for both componen
 is of first order in the cell, as elements have.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from viscopoint.kernels.arrays import Array
 
-if TYPE_CHECKING:
-    from viscopoint.methods.mpm.grid import Box, Grid
-
 ON_AXIS = 1e-9  # cells; nodes closer to the axis stand on it
+
+
+class Box(NamedTuple):
+    """The region in which points live; outside they are retired."""
+
+    low: tuple[float, float, float]  # mm
+    high: tuple[float, float, float]  # mm
 
 
 class Solid:
@@ -38,7 +42,7 @@ class Solid:
     extends = (1, 1, 1)  # along x, y, z: whether the grid has more than one plane of nodes
     resultant = (1.0, 1.0, 1.0)  # whether what happens to a part of the body adds up to something for the whole
 
-    def within(self, box: "Box", cell: float) -> "Box":
+    def within(self, box: Box, cell: float) -> Box:
         """Return the box of a case as the grid has it."""
         return box
 
@@ -54,7 +58,7 @@ class Solid:
         """Return the volume of cells that begin at x = ``low`` [mm^3]."""
         return np.full(len(low), np.prod(cell), dtype=np.float64)
 
-    def mirror(self, grid: "Grid", *fields: Array) -> None:
+    def mirror(self, grid: Any, *fields: Array) -> None:
         """Take from the nodes' fields [n, 4] what symmetry forbids."""
 
 
@@ -64,7 +68,7 @@ class Axisymmetric(Solid):
     extends = (1, 0, 1)
     resultant = (0.0, 0.0, 1.0)
 
-    def within(self, box: "Box", cell: float) -> "Box":
+    def within(self, box: Box, cell: float) -> Box:
         return box._replace(low=(0.0, 0.0, box.low[2]), high=(box.high[0], cell, box.high[2]))
 
     def points(self, radius: float, length: float, spacing: float) -> float:
@@ -79,7 +83,7 @@ class Axisymmetric(Solid):
     def room(self, low: Array, cell: tuple[float, float, float]) -> Array:
         return 2.0 * np.pi * (low + 0.5 * cell[0]) * cell[0] * cell[2]
 
-    def mirror(self, grid: "Grid", *fields: Array) -> None:
+    def mirror(self, grid: Any, *fields: Array) -> None:
         axis = round(-grid.x0 * grid.per_cell) - grid.i0
         if axis >= 0:
             for field in fields:

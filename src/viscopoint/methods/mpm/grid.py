@@ -12,20 +12,13 @@ from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import PARTS, kernel, serial_kernel
 from viscopoint.kernels.slabs import CHUNKS, chunk
 from viscopoint.kernels.tensors import fetch, no_lanes, put
-from viscopoint.methods.mpm.geometry import GEOMETRIES
+from viscopoint.methods.mpm.geometry import GEOMETRIES, Box
 from viscopoint.methods.mpm.points import Points
 from viscopoint.model import memory
 
 FIELDS = 3  # of a node beside the spare ones
 PAGE, APART = 128, 43  # rows of nodes in a page of memory, and from one field to the next, less whole pages
 NEGLIGIBLE = 64e6  # bytes for which nobody need ask
-
-
-class Box(NamedTuple):
-    """The region in which points live; outside they are retired."""
-
-    low: tuple[float, float, float]  # mm
-    high: tuple[float, float, float]  # mm
 
 
 class Grid(NamedTuple):

@@ -11,8 +11,8 @@ from viscopoint.kernels.arrays import PRECISIONS
 from viscopoint.materials import Material
 from viscopoint.methods.mpm.contacts import CONTACTS
 from viscopoint.methods.mpm.fills import EXACT_FILL, FILLS, MERIDIANS
-from viscopoint.methods.mpm.geometry import GEOMETRIES
-from viscopoint.methods.mpm.grid import GRIDS, Box
+from viscopoint.methods.mpm.geometry import GEOMETRIES, Box
+from viscopoint.methods.mpm.grid import GRIDS
 from viscopoint.methods.mpm.method import Discretisation, MaterialPointMethod
 from viscopoint.methods.mpm.schemes import SCHEMES
 from viscopoint.methods.mpm.shapes import SHAPES

@@ -17,7 +17,8 @@ from viscopoint.methods.mpm import stress
 from viscopoint.methods.mpm.contact import PlanesOnGrid, let_go
 from viscopoint.methods.mpm.contacts import Contact
 from viscopoint.methods.mpm.contacts.nodes import Nodes
-from viscopoint.methods.mpm.grid import Box, Grid, around_points, lattice
+from viscopoint.methods.mpm.geometry import Box
+from viscopoint.methods.mpm.grid import Grid, around_points, lattice
 from viscopoint.methods.mpm.points import Points, at_rest
 from viscopoint.methods.mpm.schemes import Scheme
 from viscopoint.methods.mpm.shapes import Shape

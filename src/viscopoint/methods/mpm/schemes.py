@@ -6,16 +6,13 @@ move last.
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import Any, NamedTuple
 
 from viscopoint.discovery import Registry
 from viscopoint.methods.mpm import mapping
 from viscopoint.methods.mpm.grid import accelerate, average, zero
 
-if TYPE_CHECKING:
-    from viscopoint.methods.mpm.method import MaterialPointMethod
-
-Act = Callable[["MaterialPointMethod", float], None]
+Act = Callable[[Any, float], None]  # of a ``MaterialPointMethod`` and the step
 
 
 class Scheme(NamedTuple):
@@ -26,7 +23,7 @@ class Scheme(NamedTuple):
     strain: tuple[Act, ...]
 
 
-def scatter(mpm: "MaterialPointMethod", dt: float) -> None:
+def scatter(mpm: Any, dt: float) -> None:
     """Map m_i, (mv)_i and f_i, and find v_i = ((mv)_i + f_i dt) / m_i."""
     zero(mpm.grid.momentum)
     zero(mpm.grid.change)
@@ -35,12 +32,12 @@ def scatter(mpm: "MaterialPointMethod", dt: float) -> None:
     accelerate(mpm.grid, dt)
 
 
-def gather(mpm: "MaterialPointMethod", dt: float) -> None:
+def gather(mpm: Any, dt: float) -> None:
     """Find v_p."""
     mapping.gather_velocity(mpm.points, mpm.grid, mpm.shape, mpm.transfer)
 
 
-def gather_and_remap(mpm: "MaterialPointMethod", dt: float) -> None:
+def gather_and_remap(mpm: Any, dt: float) -> None:
     """Find v_p, then v_i = (mv)_i / m_i of the accelerated points, held where constraints are."""
     zero(mpm.grid.momentum)
     mapping.gather_velocity_and_remap(mpm.points, mpm.grid, mpm.shape, mpm.transfer)
@@ -48,7 +45,7 @@ def gather_and_remap(mpm: "MaterialPointMethod", dt: float) -> None:
     mpm.hold()
 
 
-def map_velocity(mpm: "MaterialPointMethod", dt: float) -> None:
+def map_velocity(mpm: Any, dt: float) -> None:
     """Map m_i and (mv)_i, and find v_i = (mv)_i / m_i, held where constraints are."""
     zero(mpm.grid.momentum)
     zero(mpm.grid.change)
@@ -57,12 +54,12 @@ def map_velocity(mpm: "MaterialPointMethod", dt: float) -> None:
     mpm.hold()
 
 
-def update_stress(mpm: "MaterialPointMethod", dt: float) -> None:
+def update_stress(mpm: Any, dt: float) -> None:
     """Find L_p, J_p, sigma_p."""
     mpm.update_stress(dt)
 
 
-def move(mpm: "MaterialPointMethod", dt: float) -> None:
+def move(mpm: Any, dt: float) -> None:
     """Find x_p."""
     mapping.move(mpm.points, mpm.grid, dt)
 

@@ -11,7 +11,8 @@ from viscopoint.reproduction.cases import DECAYS
 from viscopoint.reproduction.figures.page import Page
 from viscopoint.reproduction.figures.scene import outline
 from viscopoint.reproduction.figures.solids import Paint, Part, colours, draw_rod, whole
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Snapshot
+from viscopoint.results.run import Run
 
 END = "20 us"
 TITLES = tuple(f"β = {decay} ms⁻¹" for decay in DECAYS)

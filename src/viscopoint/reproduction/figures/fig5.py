@@ -14,7 +14,8 @@ from viscopoint.reproduction.figures import offer
 from viscopoint.reproduction.figures.decays import TITLES, draw_row, names, shots, span
 from viscopoint.reproduction.figures.page import TWO_ROWS, lay_out, letter
 from viscopoint.reproduction.figures.solids import Paint, colours
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Snapshot
+from viscopoint.results.run import Run
 
 FEM, MPM = names("fem"), names("mpm")
 SHADES = colours("magma_r", 0.03, 0.75)  # of a polymer where nothing has moved

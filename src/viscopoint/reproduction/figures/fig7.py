@@ -14,7 +14,8 @@ from viscopoint.reproduction.figures import offer
 from viscopoint.reproduction.figures.decays import TITLES, axial_velocity, beyond, draw_row, names, shots, span
 from viscopoint.reproduction.figures.page import TWO_ROWS, lay_out, letter
 from viscopoint.reproduction.figures.solids import Paint, colours, half_section
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Snapshot
+from viscopoint.results.run import Run
 
 FEM, MPM = names("fem-elastic"), names("mpm-elastic")
 

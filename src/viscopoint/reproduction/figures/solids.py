@@ -15,7 +15,8 @@ from viscopoint.kernels.arrays import Array
 from viscopoint.methods.fem.mesh import outer_faces
 from viscopoint.reproduction.figures.balls import picture
 from viscopoint.reproduction.figures.scene import View, brightness
-from viscopoint.results.run import Run, Snapshot
+from viscopoint.results.reader import Snapshot
+from viscopoint.results.run import Run
 
 LINE = 0.01  # width of the edges of elements, in points to a pixel per mm
 BALL = 0.62  # radius of a material point's ball in spacings: balls of a stretched foot still hide what is behind

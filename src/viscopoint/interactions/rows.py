@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.kernels.jit import inline, serial_kernel
+from viscopoint.kernels.jit import called, inline, serial_kernel
 from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
 
 # columns of ``Rows.row``
@@ -140,7 +140,7 @@ def relax_bounds(rows: Rows) -> None:
             rows.row[r, LEAST] = 0.0 if rows.row[r, LAMBDA] > 0.0 else -np.inf
 
 
-@inline
+@called
 def _relax(rows: Rows, r: int) -> float:
     """Let row r take what its nodes lack; return the change of its velocity [mm/ms]."""
     row, change = rows.row[r], 0.0
@@ -162,7 +162,7 @@ def _relax(rows: Rows, r: int) -> float:
     return change + (_rub(rows, r, normal) if row[FRICTION] > 0.0 and row[LAMBDA] > 0.0 else 0.0)
 
 
-@inline
+@called
 def _rub(rows: Rows, r: int, normal: Vec) -> float:
     """Let friction take what slides, as far as the cone allows; return the change of velocity [mm/ms]."""
     row = rows.row[r]
@@ -192,7 +192,7 @@ def _rub(rows: Rows, r: int, normal: Vec) -> float:
     return inverse * np.sqrt(dot(now - before, now - before))
 
 
-@inline
+@called
 def _push(rows: Rows, r: int, direction: Vec, change: float, inverse: float) -> None:
     """Let the row's velocity have ``change`` along a direction: what a mass of 1/``inverse`` would.
 
@@ -221,7 +221,7 @@ def _inverse_along(motion: Array, n: Vec) -> float:
     return plain + motion[MORE] * along * along
 
 
-@inline
+@called
 def _account(rows: Rows, r: int, reactions: Array) -> None:
     """Add what a row did to its nodes.
 

@@ -123,6 +123,11 @@ def inline(function: F) -> F:
     return register_jitable(**INLINED)(function)
 
 
+def called(function: F) -> F:
+    """Let kernels call a function that is too long to stand in each of them; from Python it runs as it is written."""
+    return register_jitable(**OPTIONS, _nrt=False)(function)
+
+
 def generic(declaration: Callable[..., Any]) -> Any:
     """Declare an operation that dispatches on the class of its first argument, a NamedTuple.
 

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple, get_type_hints
 
 import numpy as np
-from numba.extending import register_jitable
 
-from viscopoint.kernels.jit import OPTIONS, serial_kernel
+from viscopoint.kernels.jit import called, serial_kernel
 from viscopoint.model import measurements
 from viscopoint.model.body import Surface
 from viscopoint.model.measurements import Measurements
@@ -80,7 +79,7 @@ _KINDS = [int if unit == "1" else float for unit in UNITS.values()]
 
 
 for _loop in measurements.LOOPS:
-    register_jitable(**OPTIONS)(_loop)
+    called(_loop)
 measured = serial_kernel(measurements.measured)
 
 
@@ -89,12 +88,14 @@ class EnergyBalance:
 
     def __init__(self, method: Method) -> None:
         self.method, surface = method, method.body.surface
+        away = np.linalg.norm(method.body.position[surface.foot[:, 0], :2], axis=1)
         self.surface = Surface(
             ring=np.ascontiguousarray(surface.ring), start=np.ascontiguousarray(surface.start),
-            radius=float(surface.radius), tail=surface.tail, foot=surface.foot, reach=float(surface.reach),
+            radius=float(surface.radius), tail=surface.tail, foot=surface.foot[np.argsort(away, kind="stable")],
+            reach=float(surface.reach),
             near=float(surface.near),
         )  # fmt: skip
-        self.variance = float(np.var(surface.start))
+        self.variance, self._room = float(np.var(surface.start)), measurements.room(surface)
         self.start: Totals = method.totals()
         self.internal = LEAST_INTERNAL * self.start.kinetic  # the greatest so far, mJ
         self.before: Row = self.row(0.0, 0, 0.0)
@@ -120,7 +121,7 @@ class EnergyBalance:
     def row(self, time: float, step: int, time_step: float) -> Row:
         """Measure the method now."""
         now, start, lost = self.method.totals(), self.start, self.method.lost()
-        shape = Measurements(*measured(self.surface, self.method.positions(), self.variance))
+        shape = Measurements(*measured(self.surface, self.method.positions(), self.variance, self._room))
         impulse = float(now.impulse[2])
         self.internal = max(self.internal, now.stored + now.dissipated)
         force = (impulse - self.before.wall_impulse) / (time - self.before.time) if step else 0.0

@@ -47,7 +47,7 @@ class Measurements(NamedTuple):
 def profile(surface: Surface, position: Array) -> tuple[Array, Array]:
     """Return height and radius of each layer [mm]; points at not-a-number are left out."""
     layers = len(surface.ring)
-    height, radius = np.full(layers, np.nan), np.full(layers, np.nan)
+    height, radius = np.empty(layers), np.empty(layers)
     outline(surface.ring, surface.start, surface.radius, float(np.var(surface.start)), position, height, radius)
     return height, radius
 
@@ -58,6 +58,7 @@ def outline(
     """Find height and radius of each layer; ``variance`` is that of ``start``."""
     layers, around = ring.shape
     for layer in range(layers):
+        height[layer] = radius[layer] = np.nan
         up, swell, seen = 0.0, 0.0, 0
         for c in range(around):
             p = ring[layer, c]
@@ -94,13 +95,16 @@ def outline(
 
 def measure(surface: Surface, position: Array) -> Measurements:
     """Measure the rod; see the module's words on how."""
-    return Measurements(*measured(surface, position, float(np.var(surface.start))))
+    return Measurements(*measured(surface, position, float(np.var(surface.start)), room(surface)))
 
 
-def measured(
-    surface: Surface, position: Array, variance: float
-) -> tuple[float, float, float, float, float, float, float]:
-    """Return the numbers of ``measure``; ``variance`` is that of ``surface.start``."""
+def room(surface: Surface) -> Array:
+    """Return memory for an outline, as ``measured`` wants it."""
+    return np.empty((2, len(surface.foot) + len(surface.ring)))
+
+
+def measured(surface: Surface, position: Array, variance: float, memory: Array) -> tuple[float, ...]:
+    """Return the numbers of ``measure``; ``variance`` is that of ``surface.start``, ``memory`` from ``room``."""
     lowest, highest, widest, nothing = np.inf, -np.inf, 0.0, 0.0
     for p in range(len(position)):
         x, y, z = position[p, 0], position[p, 1], position[p, 2]
@@ -112,12 +116,15 @@ def measured(
         foot = lesser(foot, end(surface.foot, column, position, surface.reach))
     for column in range(len(surface.tail)):
         tail = lesser(tail, -end(surface.tail, column, position, surface.reach))
-    layers = len(surface.ring)
-    height, radius = np.full(layers, np.nan), np.full(layers, np.nan)
-    outline(surface.ring, surface.start, surface.radius, variance, position, height, radius)
+    before = len(surface.foot)
+    height, radius = memory[0], memory[1]
+    outline(surface.ring, surface.start, surface.radius, variance, position, height[before:], radius[before:])
     contact, face, greatest = np.nan, np.nan, np.nan
     if not misses(surface.ring, position):
-        contact, face, greatest = contact_radius(surface, position, height, radius), radius[0], radius.max()
+        face, greatest = radius[before], radius[before]
+        for layer in range(before, len(radius)):
+            greatest = -lesser(-greatest, -radius[layer])
+        contact = contact_radius(surface, position, height, radius)
     return -tail - foot, contact, face, greatest, lowest + nothing, highest + nothing, np.sqrt(widest) + nothing
 
 
@@ -142,43 +149,52 @@ def misses(ring: Indices, position: Array) -> bool:
 
 
 def contact_radius(surface: Surface, position: Array, height: Array, radius: Array) -> float:
-    """Return the greatest radius of the surface no higher above its lowest point than ``surface.near`` [mm]."""
-    foot, most = surface.foot, np.inf
+    """Return the greatest radius of the surface no higher above its lowest point than ``surface.near`` [mm].
+
+    The outline's layers are the last entries of height and radius; those before them are overwritten.
+    """
+    foot, first, most = surface.foot, len(surface.foot), np.inf
     for column in range(len(foot)):
         most = min(most, position[foot[column, 0], 2])
-    most = min(most, height.min()) + surface.near
-    if height[0] > most:  # the rim is off the wall: only a part of the impact face is on it
-        height, radius = with_impact_face(surface, position, height, radius)
+    for layer in range(first, len(height)):
+        most = min(most, height[layer])
+    most += surface.near
+    if height[first] > most:  # the rim is off the wall: only a part of the impact face is on it
+        first = add_impact_face(surface, position, height, radius)
     found = np.nan
-    for n in range(len(height)):
+    for n in range(first, len(height)):
         if height[n] > most:
             continue
         found = np.fmax(found, radius[n])
         for step in (-1, 1):  # the straight line to a neighbour that is higher, up or down the outline
             beyond = n + step
-            if 0 <= beyond < len(height) and height[beyond] > most:
+            if first <= beyond < len(height) and height[beyond] > most:
                 share = (most - height[n]) / (height[beyond] - height[n])
                 found = np.fmax(found, radius[n] + share * (radius[beyond] - radius[n]))
     return found
 
 
-def with_impact_face(surface: Surface, position: Array, height: Array, radius: Array) -> tuple[Array, Array]:
-    """Return the outline with the impact face's points within its rim before it, from the axis outwards."""
-    face, rim = surface.foot[:, 0], surface.ring[0]
-    inside, count = np.empty(len(face), np.int64), 0
-    for p in face:
-        if not (rim == p).any():
-            inside[count] = p
-            count += 1
-    away = np.empty(count)
-    for n in range(count):
-        away[n] = np.hypot(position[inside[n], 0], position[inside[n], 1])
-    order = np.argsort(away, kind="mergesort")
-    heights, radii = np.empty(count + len(height)), np.empty(count + len(radius))
-    for n in range(count):
-        heights[n], radii[n] = position[inside[order[n]], 2], away[order[n]]
-    heights[count:], radii[count:] = height, radius
-    return heights, radii
+def add_impact_face(surface: Surface, position: Array, height: Array, radius: Array) -> int:
+    """Put the impact face's points within its rim before the outline, from the axis outwards; return where they begin.
+
+    They are mostly in that order, if they were at the start: then each finds its place at once.
+    """
+    last = len(surface.foot) - 1
+    first = last + 1
+    for column in range(last, -1, -1):
+        p = surface.foot[column, 0]
+        rim = False
+        for c in range(surface.ring.shape[1]):
+            rim = rim or surface.ring[0, c] == p
+        if rim:
+            continue
+        away, place = np.hypot(position[p, 0], position[p, 1]), first - 1
+        while place < last and radius[place + 1] < away:
+            height[place], radius[place] = height[place + 1], radius[place + 1]
+            place += 1
+        height[place], radius[place] = position[p, 2], away
+        first -= 1
+    return first
 
 
-LOOPS = (outline, lesser, end, misses, with_impact_face, contact_radius)  # that ``measured`` calls
+LOOPS = (outline, lesser, end, misses, add_impact_face, contact_radius)  # that ``measured`` calls

@@ -163,7 +163,7 @@ MUTATIONS = [
     ),
     Mutation(
         "foot-let-go-only-by-a-pull", "interactions/on_nodes.py",
-        "if force <= 0.0:", "if force <= 1e-3:",
+        "    if force > 0.0:", "    if force > 1e-3:",
         f"{SIMILARITY} -k 'tlmpm-local'",
     ),
     Mutation(

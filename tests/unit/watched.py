@@ -6,11 +6,13 @@ import sys
 from pathlib import Path
 
 WATCH = """
+import re
 from viscopoint.kernels.cache import Cache
 load, compiled, loaded = Cache.load_overload, [], []
 def watched(cache, *words):
     found = load(cache, *words)
-    (loaded if found else compiled).append(cache._name.rpartition(".")[2])
+    name = re.sub("_[0-9a-f]{8}$", "", cache._name.rpartition(".")[2])  # blocks are told apart by their classes' parts
+    (loaded if found else compiled).append(name)
     return found
 Cache.load_overload = watched
 """

@@ -184,7 +184,11 @@ def _rub(rows: Rows, r: int, normal: Vec) -> float:
     size, most = np.sqrt(dot(wanted, wanted)), row[FRICTION] * row[LAMBDA]
     if size <= most:
         write_vector(row[TANGENTIAL:], wanted)
-        _push(rows, r, sliding, -1.0, inverse)
+        if rows.start[r + 1] - rows.start[r] == 1 and rows.weight[rows.start[r]] == 1.0:  # to the last bit
+            motion = rows.motion[rows.slot[rows.start[r]]]
+            write_vector(motion[VELOCITY:], read_vector(motion[VELOCITY:]) - sliding)
+        else:
+            _push(rows, r, sliding, -1.0, inverse)
         return speed
     now = (most / size) * wanted
     write_vector(row[TANGENTIAL:], now)

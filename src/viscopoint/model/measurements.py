@@ -155,9 +155,11 @@ def contact_radius(surface: Surface, position: Array, height: Array, radius: Arr
     """
     foot, first, most = surface.foot, len(surface.foot), np.inf
     for column in range(len(foot)):
-        most = min(most, position[foot[column, 0], 2])
+        most = lesser(most, position[foot[column, 0], 2])
     for layer in range(first, len(height)):
-        most = min(most, height[layer])
+        most = lesser(most, height[layer])
+    if np.isnan(most):
+        return most
     most += surface.near
     if height[first] > most:  # the rim is off the wall: only a part of the impact face is on it
         first = add_impact_face(surface, position, height, radius)

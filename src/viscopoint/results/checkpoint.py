@@ -23,6 +23,7 @@ from viscopoint.kernels.arrays import AnyArray
 from viscopoint.results.folder import Held, sync, whole
 
 FOLDER = "checkpoints"
+BUFFERS = 4 * 2**20  # bytes that safetensors takes to write a file, rather more
 KEPT = 2  # the last one may be damaged
 LARGEST_TEXT = 64 * 2**20  # bytes of progress: rows of 10,000 snapshots take 5 MB
 DAMAGE = (OSError, ValueError, KeyError, TypeError, AttributeError, MemoryError, SafetensorError)
@@ -113,6 +114,7 @@ def save(file: Path, progress: Progress, state: Mapping[str, AnyArray]) -> None:
     file.parent.mkdir(exist_ok=True)
     text = progress.model_dump_json()
     with whole(file) as part:
+        bytearray(BUFFERS)  # who finds no memory for these ends the process; here it is told
         try:
             save_file(dict(state), part, {"progress": text, "checksum": _checksum(text, state)})
         except SafetensorError as error:  # a full disk, among others

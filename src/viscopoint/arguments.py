@@ -37,12 +37,19 @@ def checked(function: F) -> F:
             raise TypeError(f"{function.__qualname__}: {error}") from None
         for name, value in arguments.items():
             if name in hints and not _fits(value, hints[name]):
-                place = function.__qualname__.removesuffix(".__init__")
                 shown = clipped(one_line(repr(value)), LONGEST)
-                raise InputError(f"{place}, {name}: {shown} is not {_told(hints[name])}")
+                raise InputError(f"{_place(function, words)}, {name}: {shown} is not {_told(hints[name])}")
         return function(*words, **named)
 
     return typing.cast(F, check)
+
+
+def _place(function: Callable[..., Any], words: tuple[Any, ...]) -> str:
+    """Return the name of what was called; of a method, by the class that the caller knows."""
+    owner, dot, name = function.__qualname__.rpartition(".")
+    if words and owner in (base.__name__ for base in type(words[0]).__mro__):
+        owner = type(words[0]).__name__
+    return f"{owner}{dot}{name}".removesuffix(".__init__")
 
 
 def _fits(value: Any, hint: Any) -> bool:

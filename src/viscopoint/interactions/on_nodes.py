@@ -144,7 +144,7 @@ def load_node(nodes: Nodes, n: int, rows: Rows, s: Any, time: float) -> None:
     load_slot(rows, s, velocity - impulse_of_force(nodes, n, time), velocity, inverse)
     m, along = nodes.mass[n], nodes.normal_mass[n]
     more = 0.0 if along == m else (1.0 / along if along > 0.0 else 0.0) - 1.0 / m
-    write_vector(rows.motion[s][of_rows.DIRECTION :], read_vector(nodes.normal))
+    write_vector(rows.motion[s], read_vector(nodes.normal), of_rows.DIRECTION)
     rows.motion[s, of_rows.MORE] = more
 
 
@@ -155,7 +155,7 @@ def resume(nodes: Nodes, rows: Rows, body: int, time: float) -> None:
         s = rows.slot[rows.start[r]]
         if rows.node[s, 0] == body and rows.row[r, of_rows.GIVEN] >= 0.0:
             n: Any = rows.node[s, 1]
-            normal, speed = read_vector(rows.row[r][of_rows.NORMAL :]), rows.row[r, of_rows.LEAST]
+            normal, speed = read_vector(rows.row[r], of_rows.NORMAL), rows.row[r, of_rows.LEAST]
             rows.row[r, of_rows.GIVEN] = rest(nodes, n, normal, speed, time)
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
@@ -167,7 +167,7 @@ def take_velocity(nodes: Nodes, rows: Rows, body: int) -> None:
     """Let the nodes have the velocity that their slots have."""
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
-            write_vector(nodes.velocity[rows.node[s, 1]], read_vector(rows.motion[s][of_rows.VELOCITY :]))
+            write_vector(nodes.velocity[rows.node[s, 1]], read_vector(rows.motion[s], of_rows.VELOCITY))
 
 
 @serial_kernel
@@ -178,7 +178,7 @@ def settle(nodes: Nodes, rows: Rows, body: int, slot_of: Indices) -> None:
         stopped = row[of_rows.LAMBDA] > 0.0 or row[of_rows.GIVEN] >= 0.0
         if rows.node[s, 0] == body and row[of_rows.TWO_SIDED] == 0.0 and stopped:
             n: Any = rows.node[s, 1]
-            onto(nodes, n, read_vector(row[of_rows.NORMAL :]), read_vector(row[of_rows.POINT :]))
+            onto(nodes, n, read_vector(row, of_rows.NORMAL), read_vector(row, of_rows.POINT))
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             slot_of[rows.node[s, 1]] = -1

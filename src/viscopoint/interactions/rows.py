@@ -79,8 +79,8 @@ def add_row(
     rows.slot[r], rows.weight[r], rows.owner[r] = slot, 1.0, owner
     rows.start[r + 1] = r + 1
     row = rows.row[r]
-    write_vector(row[NORMAL:], normal)
-    write_vector(row[POINT:], point)
+    write_vector(row, normal, NORMAL)
+    write_vector(row, point, POINT)
     row[LEAST], row[FRICTION], row[TWO_SIDED], row[GIVEN] = least, friction, 1.0 if two_sided else 0.0, given
     rows.size[0] = r + 1
 
@@ -98,10 +98,10 @@ def add_slot(rows: Rows, body: int, node: int) -> int:
 def load_slot(rows: Rows, s: int, before: Vec, velocity: Vec, inverse_mass: Vec) -> None:
     """Say how a slot's node moved before the forces, and moves after them."""
     motion = rows.motion[s]
-    write_vector(motion[VELOCITY:], velocity)
-    write_vector(motion[BEFORE:], before)
-    write_vector(motion[TRIAL:], velocity)
-    write_vector(motion[INVERSE:], inverse_mass)
+    write_vector(motion, velocity, VELOCITY)
+    write_vector(motion, before, BEFORE)
+    write_vector(motion, velocity, TRIAL)
+    write_vector(motion, inverse_mass, INVERSE)
     motion[MORE] = 0.0
 
 
@@ -144,13 +144,13 @@ def relax_bounds(rows: Rows) -> None:
 def _relax(rows: Rows, r: int) -> float:
     """Let row r take what its nodes lack; return the change of its velocity [mm/ms]."""
     row, change = rows.row[r], 0.0
-    normal = read_vector(row[NORMAL:])
+    normal = read_vector(row, NORMAL)
     if row[GIVEN] < 0.0:
         before, inverse, along = row[LAMBDA], 0.0, 0.0
         for k in range(rows.start[r], rows.start[r + 1]):
             w, motion = rows.weight[k], rows.motion[rows.slot[k]]
             inverse += w * w * _inverse_along(motion, normal)
-            along += w * dot(read_vector(motion[VELOCITY:]), normal)
+            along += w * dot(read_vector(motion, VELOCITY), normal)
         if not inverse > 0.0:  # held already
             return 0.0
         lacking = row[LEAST] - along
@@ -168,7 +168,7 @@ def _rub(rows: Rows, r: int, normal: Vec) -> float:
     row = rows.row[r]
     sliding = Vec(0.0, 0.0, 0.0)
     for k in range(rows.start[r], rows.start[r + 1]):
-        sliding = sliding + rows.weight[k] * read_vector(rows.motion[rows.slot[k]][VELOCITY:])
+        sliding = sliding + rows.weight[k] * read_vector(rows.motion[rows.slot[k]], VELOCITY)
     sliding = sliding - dot(sliding, normal) * normal
     speed = np.sqrt(dot(sliding, sliding))
     if speed == 0.0:
@@ -179,19 +179,19 @@ def _rub(rows: Rows, r: int, normal: Vec) -> float:
         inverse += w * w * _inverse_along(rows.motion[rows.slot[k]], direction)
     if not inverse > 0.0:
         return 0.0
-    before = read_vector(row[TANGENTIAL:])
+    before = read_vector(row, TANGENTIAL)
     wanted = before - (1.0 / inverse) * sliding
     size, most = np.sqrt(dot(wanted, wanted)), row[FRICTION] * row[LAMBDA]
     if size <= most:
-        write_vector(row[TANGENTIAL:], wanted)
+        write_vector(row, wanted, TANGENTIAL)
         if rows.start[r + 1] - rows.start[r] == 1 and rows.weight[rows.start[r]] == 1.0:  # to the last bit
             motion = rows.motion[rows.slot[rows.start[r]]]
-            write_vector(motion[VELOCITY:], read_vector(motion[VELOCITY:]) - sliding)
+            write_vector(motion, read_vector(motion, VELOCITY) - sliding, VELOCITY)
         else:
             _push(rows, r, sliding, -1.0, inverse)
         return speed
     now = (most / size) * wanted
-    write_vector(row[TANGENTIAL:], now)
+    write_vector(row, now, TANGENTIAL)
     _push(rows, r, inverse * (now - before), 1.0, inverse)
     return inverse * np.sqrt(dot(now - before, now - before))
 
@@ -210,9 +210,9 @@ def _push(rows: Rows, r: int, direction: Vec, change: float, inverse: float) -> 
             share = 1.0 if own == inverse else own / inverse  # divisions by the same number become its reciprocal
             motion[VELOCITY + a] += share * (part * change)
         if motion[MORE] != 0.0:
-            along = read_vector(motion[DIRECTION:])
+            along = read_vector(motion, DIRECTION)
             more = (w * motion[MORE] / inverse * change * dot(direction, along)) * along
-            write_vector(motion[VELOCITY:], read_vector(motion[VELOCITY:]) + more)
+            write_vector(motion, read_vector(motion, VELOCITY) + more, VELOCITY)
 
 
 @inline
@@ -221,7 +221,7 @@ def _inverse_along(motion: Array, n: Vec) -> float:
     plain = motion[INVERSE] * n.x * n.x + motion[INVERSE + 1] * n.y * n.y + motion[INVERSE + 2] * n.z * n.z
     if motion[MORE] == 0.0:
         return plain
-    along = dot(n, read_vector(motion[DIRECTION:]))
+    along = dot(n, read_vector(motion, DIRECTION))
     return plain + motion[MORE] * along * along
 
 
@@ -234,17 +234,17 @@ def _account(rows: Rows, r: int, reactions: Array) -> None:
     to it at once.
     """
     row = rows.row[r]
-    normal, tangential = read_vector(row[NORMAL:]), read_vector(row[TANGENTIAL:])
+    normal, tangential = read_vector(row, NORMAL), read_vector(row, TANGENTIAL)
     for k in range(rows.start[r], rows.start[r + 1]):
         w, motion = rows.weight[k], rows.motion[rows.slot[k]]
-        mean = 0.5 * (read_vector(motion[VELOCITY:]) + read_vector(motion[BEFORE:]))
+        mean = 0.5 * (read_vector(motion, VELOCITY) + read_vector(motion, BEFORE))
         impulse = (w * row[LAMBDA]) * normal + w * tangential
         reactions[0] += impulse.x
         reactions[1] += impulse.y
         reactions[2] += impulse.z
         along = w * row[LAMBDA]
         if row[LAMBDA] != 0.0 and row[GIVEN] < 0.0:
-            forced = dot(read_vector(motion[TRIAL:]) - read_vector(motion[BEFORE:]), normal)
+            forced = dot(read_vector(motion, TRIAL) - read_vector(motion, BEFORE), normal)
             along += forced / _inverse_along(motion, normal)
         reactions[NORMAL_WORK] += along * dot(mean, normal)
         reactions[FRICTION_WORK] += w * dot(tangential, mean)

@@ -18,11 +18,10 @@ from typing import Any, TypeVar
 import numba
 import numba.np.ufunc.parallel
 from numba.core import config
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.extending import overload, register_jitable
 
 from viscopoint.errors import InputError, ViscopointError
-from viscopoint.kernels import outside
+from viscopoint.kernels import outside, pipeline
 from viscopoint.kernels.cache import Cache
 from viscopoint.kernels.launcher import launch
 
@@ -38,18 +37,12 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 # on the thread count, and what is fused is written down (``values.fma``). Division by zero gives inf or nan, which the
 # guards report, not a branch at each "/".
 OPTIONS: Any = {"fastmath": {"arcp"}, "error_model": "numpy"}
-# Views of arrays are not counted: threads that count the references to one array wait for each other.
-INLINED: Any = {**OPTIONS, "forceinline": True, "_nrt": False}  # tensors stay in registers
-BODY: Any = {**OPTIONS, "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-
-
-class _DistinctArrays(CompilerBase):
-    """Compiles a kernel's body: what it writes is none of the other arrays that it is handed."""
-
-    def define_pipelines(self) -> Any:
-        """Return Numba's usual passes."""
-        self.state.flags.noalias = True
-        return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+PART: Any = {  # of a kernel. Views of arrays are not counted: threads that count references wait for each other
+    **OPTIONS, "_nrt": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": pipeline.Part,
+}  # fmt: skip
+INLINED: Any = {**PART, "forceinline": True}  # tensors stay in registers
+BODY: Any = {**PART, "pipeline_class": pipeline.Body}
+WHOLE: Any = {**OPTIONS, "no_cfunc_wrapper": True, "pipeline_class": pipeline.Whole}
 
 
 def kernel(parts: int = PARTS, colours: int = 1) -> Callable[[F], Any]:
@@ -60,7 +53,7 @@ def kernel(parts: int = PARTS, colours: int = 1) -> Callable[[F], Any]:
     """
 
     def declare(function: F) -> Any:
-        body = numba.njit(nogil=True, pipeline_class=_DistinctArrays, **BODY)(function)
+        body = numba.njit(nogil=True, **BODY)(function)
         if colours == 1:
 
             def launch_all(*arguments: Any) -> None:
@@ -83,7 +76,7 @@ def serial_kernel(function: F) -> F:
 
 
 def _cached(function: Any, named: Any) -> Any:
-    dispatcher: Any = numba.njit(nogil=True, **OPTIONS)(function)
+    dispatcher: Any = numba.njit(nogil=True, **WHOLE)(function)
     dispatcher._cache = Cache(named)  # what cache=True does, with a cache of our own
     return dispatcher
 
@@ -125,7 +118,7 @@ def inline(function: F) -> F:
 
 def called(function: F) -> F:
     """Let kernels call a function that is too long to stand in each of them; from Python it runs as it is written."""
-    return register_jitable(**OPTIONS, _nrt=False)(function)
+    return register_jitable(**PART)(function)
 
 
 def generic(declaration: Callable[..., Any]) -> Any:

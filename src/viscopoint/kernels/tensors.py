@@ -170,18 +170,18 @@ def fused_product(sums: Vec, a: Vec, b: Vec) -> Vec:
 
 
 @inline
-def read_vector(row: Any) -> Vec:
-    """Read a vector, in double, from the first three values of an array row."""
+def read_vector(row: Any, first: int = 0) -> Vec:
+    """Read a vector, in double, from three values of an array row."""
     real = np.float64
-    return Vec(real(row[0]), real(row[1]), real(row[2]))
+    return Vec(real(row[first]), real(row[first + 1]), real(row[first + 2]))
 
 
 @inline
-def write_vector(row: Any, a: Vec) -> None:
-    """Store a vector in the first three values of an array row."""
-    row[0] = a.x
-    row[1] = a.y
-    row[2] = a.z
+def write_vector(row: Any, a: Vec, first: int = 0) -> None:
+    """Store a vector in three values of an array row."""
+    row[first] = a.x
+    row[first + 1] = a.y
+    row[first + 2] = a.z
 
 
 @inline

@@ -22,6 +22,7 @@ from viscopoint.kernels.arrays import Array, Real
 from viscopoint.kernels.cache import Cache
 from viscopoint.kernels.jit import INLINED, OPTIONS, inline
 from viscopoint.kernels.kinematics import strain_and_rotation
+from viscopoint.kernels.pipeline import Whole
 from viscopoint.kernels.tensors import (
     Matrix,
     added,
@@ -231,7 +232,7 @@ def _function(code: Any, signature: Any, material: Any, name: str) -> CFunc:
     code.__qualname__ = code.__name__ = (
         f"{code.__name__}_{name}"  # by which it is known in the process, and on the disk
     )
-    made = CFunc(code, (signature.args, signature.return_type), {}, OPTIONS)
+    made = CFunc(code, (signature.args, signature.return_type), {}, OPTIONS, Whole)
     made._cache = Cache(  # pyright: ignore[reportAttributeAccessIssue]
         code, outside.takes_part([material])
     )

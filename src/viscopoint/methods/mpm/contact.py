@@ -164,9 +164,9 @@ def take_velocity(grid: Grid, rows: Rows, body: int, slot_of: Indices) -> None:
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             n, motion = rows.node[s, 1], rows.motion[s]
-            velocity = read_vector(motion[VELOCITY:])
+            velocity = read_vector(motion, VELOCITY)
             write_vector(grid.velocity[n], velocity)
-            write_vector(grid.change[n], read_vector(grid.change[n]) + (velocity - read_vector(motion[TRIAL:])))
+            write_vector(grid.change[n], read_vector(grid.change[n]) + (velocity - read_vector(motion, TRIAL)))
             slot_of[n] = -1
 
 
@@ -175,4 +175,4 @@ def let_go(rows: Rows, body: int) -> None:
     """Take a body's nodes out of rows that are solved once more: its step is done."""
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
-            write_vector(rows.motion[s][INVERSE:], Vec(0.0, 0.0, 0.0))
+            write_vector(rows.motion[s], Vec(0.0, 0.0, 0.0), INVERSE)

@@ -57,7 +57,7 @@ _HOME = {
     "Reproduction": "reproduction",
     "reproduce": "reproduction",
     "Run": "results.run",
-    "Snapshot": "results.run",
+    "Snapshot": "results.reader",
     "resume": "results.running",
     "run": "results.running",
 }

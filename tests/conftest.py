@@ -2,6 +2,7 @@ import gc
 import signal
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numba
 import pytest
@@ -9,7 +10,8 @@ import pytest
 import viscopoint as vp
 from viscopoint.reproduction import Reproduction, reproduce
 
-FIRST = ("made", "test_outside.py", "test_kernels.py", "test_kernel_cache.py")
+MADE = ["tests/validation/test_reproduction.py", "tests/browser/test_report_page.py"]  # they need the fixture
+OWN_CACHES = ["tests/unit/test_outside.py", "tests/unit/test_kernels.py", "tests/unit/test_kernel_cache.py"]
 SMALL = {
     "method.cell": "1 mm",
     "method.spacing": "0.72 mm",
@@ -24,18 +26,29 @@ def pytest_configure() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Let each file be worked on by one process, as its tests share runs and kernels, and so all that need ``made``.
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Let each file be worked on by one process, as its tests share runs and kernels, and so the files of ``made``."""
+    from xdist.scheduler import LoadFileScheduling
 
-    First come ``made``, which takes longest, and what compiles the same kernels again: what two processes lack at the
-    same time, both compile.
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = super()._split_scope(nodeid)
+            return MADE[0] if file in MADE else file
+
+    config.option.loadscopereorder = False
+    return Scheduling(config, log)
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Let processes begin with what takes longest, and with what compiles into caches of its own.
+
+    A kernel that two processes lack at the same time is compiled by both.
     """
     if is_one_of_several(config):
-        groups = {item: "made" if "made" in getattr(item, "fixturenames", ()) else item.path.name for item in items}
-        for item, group in groups.items():
-            item.add_marker(pytest.mark.xdist_group(group))
-        items.sort(key=lambda item: FIRST.index(groups[item]) if groups[item] in FIRST else len(FIRST))
+        first = [*MADE, *OWN_CACHES]
+        files = {item: item.nodeid.partition("::")[0] for item in items}
+        items.sort(key=lambda item: first.index(files[item]) if files[item] in first else len(first))
 
 
 def is_one_of_several(config: pytest.Config) -> bool:

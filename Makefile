@@ -10,7 +10,7 @@ reproduce: $(VENV)/.installed  ## the main job: the paper, by both methods, with
 	$(RUN)/viscopoint reproduce
 
 test: $(VENV)/.installed-dev  ## run the tests
-	$(RUN)/pytest
+	$(RUN)/pytest -n auto --maxprocesses 4
 
 test-long: $(VENV)/.installed-dev  ## run the studies that take many minutes
 	$(RUN)/pytest -m long

@@ -1,5 +1,6 @@
 """What CONTRIBUTING adds to the package, a new file each, works as it is printed there."""
 
+import functools
 import json
 import os
 import re
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import viscopoint
+from viscopoint.kernels.cache_folder import cache_folder
 from viscopoint.results.output import history
 
 PACKAGE = Path(viscopoint.__file__).parent
@@ -40,14 +42,35 @@ CASE = {"method.cell": "1 mm", "method.spacing": "0.72 mm", "time.snapshots": "[
 FEM = {"method.size": "1.9 mm", "time.snapshots": "[]", "time.end": "5 us"}
 
 
-def run(package: Path, folder: Path, changes: dict[str, str], *words: str) -> Path:
-    """Run a small case with a package, in a new process; return its run folder."""
-    settings = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
-    command = [sys.executable, "-m", "viscopoint", "run", "paper", "--out", str(folder), *words]
+def environment(package: Path) -> dict[str, str]:
+    """Return that of a process which uses a package."""
     ours = {} if package == PACKAGE else {"VISCOPOINT_CACHE": str(package.parent / "cache")}
-    environment = os.environ | {"PYTHONPATH": str(package.parent)} | ours
-    done = subprocess.run([*command, *settings], env=environment, capture_output=True, text=True)
+    return os.environ | {"PYTHONPATH": str(package.parent)} | ours
+
+
+def python(package: Path, *words: str) -> str:
+    """Return what a new process prints with a package."""
+    done = subprocess.run([sys.executable, *words], env=environment(package), capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@functools.cache
+def kernels_of(package: Path) -> Path:
+    """Return a package's folder of compiled code."""
+    code = "from viscopoint.kernels.cache_folder import cache_folder; print(cache_folder())"
+    return Path(python(package, "-c", code).strip())
+
+
+def run(package: Path, folder: Path, changes: dict[str, str], *words: str) -> Path:
+    """Run a small case with a package, in a new process; return its run folder.
+
+    A copy is lent what is compiled: it has the same sources and more files, and compiles only what uses those.
+    """
+    for code in cache_folder().glob("*.code") if package != PACKAGE else ():
+        shutil.copy2(code, kernels_of(package))
+    settings = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
+    python(package, "-m", "viscopoint", "run", "paper", "--out", str(folder), *words, *settings)
     return folder
 
 
@@ -57,16 +80,16 @@ def velocity(folder: Path) -> float:
 
 
 def test_a_material(extended: Path, tmp_path: Path):
-    added = velocity(run(extended, tmp_path / "added", CASE | {"material": MAXWELL}, "--no-figures"))
     # a standard linear solid without its spring is the same fluid
     known = velocity(run(PACKAGE, tmp_path / "known", CASE | {"material": NO_SPRING}, "--no-figures"))
+    added = velocity(run(extended, tmp_path / "added", CASE | {"material": MAXWELL}, "--no-figures"))
     assert -149.0 < known < -100.0
     assert abs(added - known) < 1e-9
 
 
 def test_a_shape_function_an_output_and_a_figure(extended: Path, tmp_path: Path):
-    added = run(extended, tmp_path / "added", CASE | {"method.shape": "hat"})
     known = run(PACKAGE, tmp_path / "known", CASE | {"method.shape": "trilinear"}, "--no-figures")
+    added = run(extended, tmp_path / "added", CASE | {"method.shape": "hat"})
     assert -149.0 < velocity(known) < -100.0
     assert abs(velocity(added) - velocity(known)) < 1e-9
     steps = [float(line) for line in (added / "steps.txt").read_text().split()]
@@ -76,9 +99,9 @@ def test_a_shape_function_an_output_and_a_figure(extended: Path, tmp_path: Path)
 
 def test_an_element(extended: Path, tmp_path: Path):
     words = ("--method", "fem", "--no-figures")
-    added = run(extended, tmp_path / "added", FEM | {"method.element": "free"}, *words)
     nothing = {"method.hourglass.form": "viscous", "method.hourglass.coefficient": "0.0"}
     known = run(PACKAGE, tmp_path / "known", FEM | nothing, *words)
+    added = run(extended, tmp_path / "added", FEM | {"method.element": "free"}, *words)
     assert abs(velocity(added) - velocity(known)) < 1e-9
     controlled = run(PACKAGE, tmp_path / "controlled", FEM, *words)
     assert abs(velocity(added) - velocity(controlled)) > 1e-6
@@ -96,9 +119,5 @@ vp.run(case, where, figures=False, checkpoint_every="0.2 us simulated", watch=en
 vp.resume(where, figures=False)
 vp.run(case, whole, figures=False)
 """
-    environment = os.environ | {
-        "PYTHONPATH": str(extended.parent), "VISCOPOINT_CACHE": str(extended.parent / "cache"),
-    }  # fmt: skip
-    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    python(extended, "-c", code)
     assert (tmp_path / "cut" / "steps.txt").read_text() == (tmp_path / "whole" / "steps.txt").read_text()

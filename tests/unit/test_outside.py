@@ -5,7 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from watched import ALL, BLOCKS, ELASTIC, ENERGY
+import pytest
+from watched import ALL, BLOCKS, ELASTIC, ENERGY, fill
+
+from viscopoint.kernels.cache_folder import cache_folder
 
 MATERIAL = """
 from typing import Literal, NamedTuple
@@ -55,10 +58,10 @@ def write_material(place: Path, factor: float) -> None:
     (place / "numbers_of_mine.py").write_text(f"FACTOR = {factor}\n")
 
 
-def python(code: str, place: Path) -> str:
+def python(code: str, place: Path, **settings: str) -> str:
     """Run code in a new process that finds the modules in a folder, and its cache."""
     path = os.pathsep.join([str(place), *sys.path])
-    environment = os.environ | {"PYTHONPATH": path, "VISCOPOINT_CACHE": str(place / "cache")}
+    environment = os.environ | {"PYTHONPATH": path, "VISCOPOINT_CACHE": str(place / "cache")} | settings
     done = subprocess.run([sys.executable, "-B", "-c", code], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -92,8 +95,10 @@ def energy(material, jacobian, stress, history): return 7.0
 """
 
 
-def test_one_of_our_materials_that_somebody_changes_stays_as_it_is_for_others(tmp_path: Path):
-    ours, *_ = python(ELASTIC, tmp_path).split()
+def test_one_of_our_materials_that_somebody_changes_stays_as_it_is_for_others(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+):
+    ours = fill(tmp_path / "cache", tmp_path_factory)
     (tmp_path / "change.py").write_text(REPLACED)
     assert python("import change\n" + ELASTIC, tmp_path).split() == ["7.0", "0", *ALL]
     assert python(ELASTIC, tmp_path).split() == [ours, str(len(ALL))]
@@ -128,11 +133,12 @@ except vp.InputError as error:
 def test_a_run_is_not_resumed_with_an_edited_material_from_outside(tmp_path: Path):
     write_material(tmp_path, 1.0)
     begin, resume = (code.replace("RUN", str(tmp_path / "run")) for code in (BEGIN, RESUME))
-    python(begin, tmp_path)
+    ours = {"VISCOPOINT_CACHE": str(cache_folder().parent)}  # what it says of kernels is tested above
+    python(begin, tmp_path, **ours)
     write_material(tmp_path, 2.0)
-    assert "begun by other sources" in python(resume, tmp_path)
+    assert "begun by other sources" in python(resume, tmp_path, **ours)
     write_material(tmp_path, 1.0)
-    assert python(resume, tmp_path).strip() == "complete"
+    assert python(resume, tmp_path, **ours).strip() == "complete"
 
 
 def test_a_material_that_is_not_used_does_not_count(tmp_path: Path):

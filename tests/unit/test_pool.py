@@ -53,7 +53,7 @@ def test_a_killed_worker_ends_with_a_message():
 
 def reproducing(folder: Path) -> subprocess.Popen[str]:
     """Begin to draw a figure in a process group of its own, as a terminal would."""
-    command = [sys.executable, "-m", "viscopoint", "reproduce", "--only", "fig5", "--out", str(folder)]
+    command = [sys.executable, "-m", "viscopoint", "reproduce", "--only", "fig6", "--out", str(folder)]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
 
 
@@ -81,7 +81,7 @@ def test_ctrl_c_ends_all_workers_with_a_word_and_leaves_what_can_be_completed(tm
         assert vp.Run(run).status in ("interrupted", "complete")
     again = reproducing(folder)
     assert again.communicate(timeout=120)[1] == ""
-    assert (folder / "figures" / "paper" / "fig5.png").is_file()
+    assert (folder / "figures" / "paper" / "fig6.png").is_file()
 
 
 def test_two_reproductions_do_not_share_a_folder_and_a_killed_one_leaves_no_workers(tmp_path: Path):

@@ -76,6 +76,17 @@ def cut_off(case: vp.Case, folder: Path, place: float, every: str = SIMULATED) -
     return run
 
 
+@pytest.fixture(scope="module")
+def cut_once(tmp_path_factory: pytest.TempPathFactory) -> vp.Run:
+    return cut_off(case_of("tlmpm"), tmp_path_factory.mktemp("once") / "cut", 0.7)
+
+
+@pytest.fixture
+def cut(cut_once: vp.Run, tmp_path: Path) -> Path:
+    """A run folder that was cut off, to be damaged."""
+    return Path(shutil.copytree(cut_once.folder, tmp_path / "cut"))
+
+
 def assert_same(one: vp.Run, other: vp.Run) -> None:
     verdict = compare_bits(one, other)
     assert verdict.same, "\n".join(map(str, verdict.differences))
@@ -148,33 +159,31 @@ def contents(folder: Path) -> dict[str, bytes]:
 @pytest.mark.parametrize(
     "change", ["sources", "state", "fields", "no fields", "history", "no history", "link", "format"]
 )
-def test_what_does_not_go_with_a_checkpoint_is_refused_and_left_as_it_is(change: str, tmp_path: Path):
-    folder = tmp_path / "cut"
-    cut_off(case_of("tlmpm"), folder, 0.7)
+def test_what_does_not_go_with_a_checkpoint_is_refused_and_left_as_it_is(change: str, cut: Path, tmp_path: Path):
     if change in ("sources", "format"):
-        data = json.loads((folder / "provenance.json").read_text())
-        (folder / "provenance.json").write_text(json.dumps(data | {change: "1234"}))
+        data = json.loads((cut / "provenance.json").read_text())
+        (cut / "provenance.json").write_text(json.dumps(data | {change: "1234"}))
         message = "begun by other sources" if change == "sources" else "format 1234"
     elif change == "state":
         cut_off(case_of("mpm"), tmp_path / "mpm", 0.7)
-        shutil.rmtree(folder / "checkpoints")
-        shutil.copytree(tmp_path / "mpm" / "checkpoints", folder / "checkpoints")
+        shutil.rmtree(cut / "checkpoints")
+        shutil.copytree(tmp_path / "mpm" / "checkpoints", cut / "checkpoints")
         message = "other arrays than those of the case"
     elif change in ("fields", "history"):
         name = {"fields": "fields.vtkhdf", "history": "history.csv"}[change]
-        (folder / name).write_bytes((folder / name).read_bytes()[:100])
+        (cut / name).write_bytes((cut / name).read_bytes()[:100])
         message = "does not go with its checkpoint"
     elif change in ("no fields", "no history"):
-        (folder / {"no fields": "fields.vtkhdf", "no history": "history.csv"}[change]).unlink()
+        (cut / {"no fields": "fields.vtkhdf", "no history": "history.csv"}[change]).unlink()
         message = "does not go with its checkpoint"
     else:
-        (folder / "history.csv").rename(tmp_path / "elsewhere.csv")
-        (folder / "history.csv").symlink_to(tmp_path / "elsewhere.csv")
+        (cut / "history.csv").rename(tmp_path / "elsewhere.csv")
+        (cut / "history.csv").symlink_to(tmp_path / "elsewhere.csv")
         message = "is a link or a device"
-    before = contents(folder)
+    before = contents(cut)
     with pytest.raises(vp.InputError, match=message):
-        vp.resume(folder)
-    assert contents(folder) == before
+        vp.resume(cut)
+    assert contents(cut) == before
 
 
 @pytest.mark.parametrize("every", [SIMULATED, "never"])
@@ -232,11 +241,9 @@ def test_checkpoints_that_are_damaged_or_not_ours_keep_no_sound_one_away(tmp_pat
         {"marks": []},
     ],
 )  # fmt: skip
-def test_a_whole_checkpoint_of_what_no_run_had_is_refused(change: dict[str, Any], tmp_path: Path):
-    folder = tmp_path / "cut"
-    cut_off(case_of("tlmpm"), folder, 0.7)
+def test_a_whole_checkpoint_of_what_no_run_had_is_refused(change: dict[str, Any], cut: Path):
     like = build(case_of("tlmpm")).method.state()
-    found, _ = checkpoint.newest(folder, like)
+    found, _ = checkpoint.newest(cut, like)
     assert found is not None
     progress = found.progress
     if "before" in change:
@@ -247,12 +254,12 @@ def test_a_whole_checkpoint_of_what_no_run_had_is_refused(change: dict[str, Any]
         progress.start = [change["start"]] * len(progress.start)
     else:
         progress.marks = change["marks"]
-    shutil.rmtree(folder / "checkpoints")
-    checkpoint.save(folder / "checkpoints" / f"{progress.step:09d}.safetensors", progress, found.state)
-    before = contents(folder)
+    shutil.rmtree(cut / "checkpoints")
+    checkpoint.save(cut / "checkpoints" / f"{progress.step:09d}.safetensors", progress, found.state)
+    before = contents(cut)
     with pytest.raises(vp.InputError, match=r"checkpoint|does not go with"):
-        vp.resume(folder, figures=False)
-    assert contents(folder) == before
+        vp.resume(cut, figures=False)
+    assert contents(cut) == before
 
 
 def change_a_digit(folder: Path, other: bytes = b"2") -> None:
@@ -294,14 +301,12 @@ def damage_the_cells(folder: Path) -> None:
     "change",
     [change_a_digit, make_a_digit_a_letter, change_a_number, change_a_time, damage_a_piece, damage_the_cells],
 )
-def test_results_that_are_not_what_was_written_are_not_gone_on_with(change: Callable[[Path], None], tmp_path: Path):
-    folder = tmp_path / "cut"
-    cut_off(case_of("tlmpm"), folder, 0.7)
-    change(folder)
-    before = contents(folder)
+def test_results_that_are_not_what_was_written_are_not_gone_on_with(change: Callable[[Path], None], cut: Path):
+    change(cut)
+    before = contents(cut)
     with pytest.raises(vp.InputError, match="does not go with its checkpoint"):
-        vp.resume(folder, figures=False)
-    assert contents(folder) == before
+        vp.resume(cut, figures=False)
+    assert contents(cut) == before
 
 
 # --- folders that are replaced or moved ---

@@ -1,16 +1,24 @@
 """Code for new processes that says which compiled code was made there, and which came from the disk."""
 
+import functools
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+import viscopoint
+
+PACKAGE = Path(viscopoint.__file__).parent
 WATCH = """
 import re
 from viscopoint.kernels.cache import Cache
-load, compiled, loaded = Cache.load_overload, [], []
+load, compiled, loaded, files = Cache.load_overload, [], [], []
 def watched(cache, *words):
     found = load(cache, *words)
+    files.append(str(cache._file(words[0])))
     name = re.sub("_[0-9a-f]{8}$", "", cache._name.rpartition(".")[2])  # blocks are told apart by their classes' parts
     (loaded if found else compiled).append(name)
     return found
@@ -37,6 +45,18 @@ ELASTIC = ENERGY.replace("MATERIAL", "Elastic(1e-3, 100.0, 10.0)")
 BLOCKS = ["energies_Elastic__", "prepare_Elastic__", "update_Elastic__"]
 ALL = sorted([*BLOCKS, "sum_energies"])
 
+# a kernel that is compiled in no time, where any will do
+ZERO = (
+    WATCH
+    + """
+import numpy as np
+from viscopoint.methods.mpm.grid import zero
+field = np.ones((1, 4))
+zero(field)
+print(field.sum(), len(loaded), *sorted(compiled))
+"""
+)
+
 
 def start(code: str, package: Path, **settings: str | Path) -> subprocess.Popen[str]:
     """Start code in a new process on a copy of the package, with settings of its own."""
@@ -55,3 +75,19 @@ def told(process: subprocess.Popen[str]) -> list[str]:
 def run_python(code: str, package: Path, cache: Path) -> list[str]:
     """Return the words that code prints in a new process on a copy of the package."""
     return told(start(code, package, VISCOPOINT_CACHE=cache))
+
+
+@functools.cache
+def compile_elastic(cache: Path) -> str:
+    """Fill an empty cache with the code of ``ELASTIC``; return the energy."""
+    cold, loaded, *compiled = run_python(ELASTIC, PACKAGE, cache)
+    assert (loaded, compiled) == ("0", ALL)
+    return cold
+
+
+def fill(cache: Path, folders: pytest.TempPathFactory) -> str:
+    """Fill an empty cache with the code of ``ELASTIC``, compiled once for all tests; return the energy."""
+    compiled = folders.getbasetemp() / "elastic"
+    cold = compile_elastic(compiled)
+    shutil.copytree(compiled, cache)
+    return cold

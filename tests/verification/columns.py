@@ -8,7 +8,7 @@ F = 1 - 3/8 (1 - cos kh). So leapfrog steps of Courant number C give
     sin^2(w dt / 2) = C^2 sin^2(kh / 2) F(kh)    =>    w = c k (1 - DISPERSION (kh)^2 + ...).
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numba
@@ -44,12 +44,9 @@ DISPERSION = 1 / 24 + 3 / 32 - COURANT**2 / 24
 
 
 @pytest.fixture
-def one_thread() -> Iterator[None]:
+def one_thread() -> None:
     """Few points: threads would only wait for each other. They change no bit (test_conservation)."""
-    before = numba.get_num_threads()
     numba.set_num_threads(1)
-    yield
-    numba.set_num_threads(before)
 
 
 def viscoelastic(decay: float) -> LinearViscoelastic:

@@ -37,25 +37,25 @@ MUTATIONS = [
         f"{VISCOSITY} -k 'standing_wave and linear-fem-viscous'",
     ),
     Mutation(
-        "one-point-viscous-work", "methods/fem/elements/one_point.py",
+        "one-point-viscous-work", "methods/fem/internal_force.py",
         "swept_before, swept_after = half * load(work, JACOBIAN, i)",
         "swept_before, swept_after = half * load(work, AFTER, i)",
         f"{VISCOSITY} -k 'viscous_loss and fem-viscous'",
     ),
     Mutation(
-        "selective-viscous-work", "methods/fem/elements/selective.py",
+        "selective-viscous-work", "methods/fem/internal_force.py",
         "swept_before, swept_after = half * load(work, JACOBIAN, i)",
         "swept_before, swept_after = half * load(work, AFTER, i)",
         f"{VISCOSITY} -k 'viscous_loss and fem-selective'",
     ),
     Mutation(
-        "one-point-ring-viscous-work", "methods/fem/elements/one_point.py",
+        "one-point-ring-viscous-work", "methods/fem/internal_force.py",
         "swept_before, swept_after = half * load(work, JACOBIAN, i)",
         "swept_before, swept_after = half * load(work, AFTER, i)",
         f"{VISCOSITY} -k 'viscous_loss and rings-viscous'",
     ),
     Mutation(
-        "selective-ring-viscous-work", "methods/fem/elements/selective.py",
+        "selective-ring-viscous-work", "methods/fem/internal_force.py",
         "swept_before, swept_after = half * load(work, JACOBIAN, i)",
         "swept_before, swept_after = half * load(work, AFTER, i)",
         f"{VISCOSITY} -k 'viscous_loss and rings-selective'",
@@ -132,7 +132,7 @@ MUTATIONS = [
     ),
     Mutation(
         "selective-pressure-of-the-undeformed-volume", "methods/fem/elements/selective.py",
-        "load(work, MEAN, i) / now", "load(work, MEAN, i) / load(work, REFERENCE, i)",
+        "load(work, MEAN, i) / load(work, VOLUME, i)", "load(work, MEAN, i) / 1.0",
         f"{VISCOSITY} -k 'accounts and fem-selective'",
     ),
     Mutation(

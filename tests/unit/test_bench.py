@@ -1,10 +1,11 @@
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+import shell
 
 from viscopoint.bench import Plan, compare, measure, planned
 from viscopoint.bench.memory import measured_growth
@@ -15,7 +16,6 @@ from viscopoint.bench.traffic import PASSES, arrays_of, bytes_held, bytes_per_st
 from viscopoint.bench.triad import bandwidths, triad, triads
 from viscopoint.bench.work import MATERIALS, PAPER_LAW, VARIANTS, Work, case_of, passes_of, selection
 from viscopoint.case.case import Case
-from viscopoint.command_line.cli import app
 from viscopoint.command_line.terminal import progress
 from viscopoint.kernels.arrays import AnyArray
 from viscopoint.model.build import build
@@ -26,11 +26,7 @@ TINY = [Work(*variant, PAPER_LAW, "3k") for variant in VARIANTS]
 SELDOM = ("body.position", "body.volume", "body.cells", "reference", "nodes.partner", "points.shared.alive")
 
 
-def call(*words: str | Path) -> tuple[int, str, str]:
-    """Run the benchmark in this process; return exit code, output and messages."""
-    result = CliRunner().invoke(app, ["bench", *(str(word) for word in words)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
+call = partial(shell.call, "bench")
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -108,17 +108,23 @@ def test_rings_have_the_cylinder_s_volume_centroid_and_moments(radius: float, le
     assert volume @ (z - length / 2) ** 2 == pytest.approx(area * length**3 / 12 * (1 - 1 / layers**2), rel=1e-12)
 
 
-def test_rings_measure_radius_and_length_exactly():
-    body = rod_rings(3.8, 25.4, 0.38)
+@pytest.mark.parametrize(("fill", "layers"), [(rod_rings, 67), (rod_trimmed, 66)])  # an even number if trimmed
+def test_fills_of_the_cylinder_s_volume_measure_radius_and_length_exactly(fill: Fill, layers: int):
+    body = fill(3.8, 25.4, 0.38)
     gauges = measure(body.surface, body.position)
     assert gauges.length == pytest.approx(25.4, rel=1e-14)
     assert gauges.impact_face_radius == gauges.greatest_radius == pytest.approx(3.8, rel=1e-14)
     assert gauges.widest_point < 3.8
-    assert body.surface.ring.shape == (67, 3 * (19 + 17))  # the outer two rings
-    assert len(body.position) == 67 * 3 * 10**2
+    assert body.surface.ring.shape[0] == layers
     stretched = measure(body.surface, body.position * [1.2, 1.2, 0.7])
     assert stretched.length == pytest.approx(25.4 * 0.7)
     assert stretched.greatest_radius == pytest.approx(3.8 * 1.2)
+
+
+def test_rings_show_the_outer_two():
+    body = rod_rings(3.8, 25.4, 0.38)
+    assert body.surface.ring.shape == (67, 3 * (19 + 17))
+    assert len(body.position) == 67 * 3 * 10**2
 
 
 def test_points_of_rings_are_about_a_spacing_apart():
@@ -148,15 +154,3 @@ def test_trimmed_lattice_has_the_cylinder_s_volume_centroid_and_second_moments(
         lacks = area * radius**2 / 4 * length - volume @ square
         assert volume[whole].sum() * spacing**2 / 12 < lacks < area * length * spacing**2 / 12
     assert volume @ (x * y) == pytest.approx(0.0, abs=1e-12 * area * radius**2)
-
-
-def test_trimmed_lattice_measures_radius_and_length_exactly():
-    body = rod_trimmed(3.8, 25.4, 0.38)
-    gauges = measure(body.surface, body.position)
-    assert gauges.length == pytest.approx(25.4, rel=1e-14)
-    assert gauges.impact_face_radius == gauges.greatest_radius == pytest.approx(3.8, rel=1e-14)
-    assert gauges.widest_point < 3.8
-    assert body.surface.ring.shape[0] == 66  # an even number of layers
-    stretched = measure(body.surface, body.position * [1.2, 1.2, 0.7])
-    assert stretched.length == pytest.approx(25.4 * 0.7)
-    assert stretched.greatest_radius == pytest.approx(3.8 * 1.2)

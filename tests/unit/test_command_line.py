@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from typer.testing import CliRunner
+from shell import call
 
 import viscopoint as vp
 from viscopoint.case.case import Case
-from viscopoint.command_line.cli import app
 from viscopoint.methods.fem.inputs import FEMInput
 from viscopoint.methods.mpm.inputs import MPMInput
 from viscopoint.methods.tlmpm.inputs import TotalLagrangianInput
@@ -30,13 +29,6 @@ QUICK = [
     "--set",
     "time.snapshots=[]",
 ]
-
-
-def call(*words: str | Path) -> tuple[int, str, str]:
-    """Run the command line in this process; return exit code, output and messages."""
-    result = CliRunner().invoke(app, [str(word) for word in words])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
 
 
 def test_run_leaves_a_whole_run_folder_and_show_prints_it(tmp_path: Path):
@@ -186,26 +178,21 @@ def test_starter_case_shows_the_true_defaults(tmp_path: Path):
     assert Case.from_tables(tomllib.loads(shown)) == Case.load(file).resolved()
 
 
-def test_starter_case_shows_the_finite_element_method_as_the_alternative(tmp_path: Path):
+@pytest.mark.parametrize(("mark", "besides", "kept", "table", "left"), [
+    ("## ", "# mesh =", {"name": "fem", "size": "0.38 mm"}, FEMInput, {"mesh"}),
+    ("### ", "# #", {"name": "mpm", "spacing": "0.38 mm", "cell": "0.76 mm"}, MPMInput, set()),
+])  # fmt: skip
+def test_starter_case_shows_the_other_methods_as_alternatives(
+    tmp_path: Path, mark: str, besides: str, kept: dict[str, str], table: Any, left: set[str]
+):
     file = tmp_path / "mine.toml"
     call("new", file)
-    table = [line[3:] for line in file.read_text().splitlines() if line.startswith("## ")]
-    shown, kept = (tomllib.loads(text) for text in (uncommented(table, besides="# mesh ="), "\n".join(table)))
+    lines = [line.removeprefix(mark) for line in file.read_text().splitlines() if line.startswith(mark)]
+    shown, least = (tomllib.loads(text) for text in (uncommented(lines, besides), "\n".join(lines)))
     case = Case.load(file).to_tables()
-    assert Case.from_tables(case | shown).resolved() == Case.from_tables(case | kept).resolved()
-    assert kept["method"] == {"name": "fem", "size": "0.38 mm"}
-    assert set(shown["method"]) | {"mesh"} == set(FEMInput.model_fields)
-
-
-def test_starter_case_shows_the_material_point_method_as_another(tmp_path: Path):
-    file = tmp_path / "mine.toml"
-    call("new", file)
-    table = [line[4:] for line in file.read_text().splitlines() if line.startswith("### ")]
-    shown, kept = (tomllib.loads(text) for text in (uncommented(table, besides="# #"), "\n".join(table)))
-    case = Case.load(file).to_tables()
-    assert Case.from_tables(case | shown).resolved() == Case.from_tables(case | kept).resolved()
-    assert kept["method"] == {"name": "mpm", "spacing": "0.38 mm", "cell": "0.76 mm"}
-    assert set(shown["method"]) == set(MPMInput.model_fields)
+    assert Case.from_tables(case | shown).resolved() == Case.from_tables(case | least).resolved()
+    assert least["method"] == kept
+    assert set(shown["method"]) | left == set(table.model_fields)
 
 
 def test_starter_case_takes_the_recommended_method_as_any_case_that_names_none(tmp_path: Path):

@@ -1,17 +1,17 @@
 import io
 import json
 import shutil
+from functools import partial
 from pathlib import Path
 from typing import cast
 
 import h5py
 import numpy as np
 import pytest
+import shell
 from rich.console import Console
-from typer.testing import CliRunner
 
 import viscopoint as vp
-from viscopoint.command_line.cli import app
 from viscopoint.comparison import Comparison, axis, compare, differing, outline, wall_force
 from viscopoint.comparison.table import tables
 
@@ -186,11 +186,7 @@ def test_numbers_of_the_file_are_those_of_the_runs(finished: Path, finished_fem:
     assert set(last) == set(tables["units"])
 
 
-def called(*words: str | Path) -> tuple[int, str, str]:
-    """Compare on the command line; return exit code, output and messages."""
-    result = CliRunner().invoke(app, ["compare", *map(str, words)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
+called = partial(shell.call, "compare")
 
 
 def test_the_command_prints_a_table_and_leaves_numbers_and_figures(finished: Path, finished_fem: Path, tmp_path: Path):

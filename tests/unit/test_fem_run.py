@@ -9,10 +9,9 @@ import pytest
 import pyvista
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from typer.testing import CliRunner
+from shell import call
 
 import viscopoint as vp
-from viscopoint.command_line.cli import app
 from viscopoint.figures import faces, shapes
 from viscopoint.methods.fem.hourglass import StiffnessControl
 from viscopoint.methods.fem.inputs import FEMInput
@@ -39,13 +38,6 @@ def eroded() -> vp.Run:
     assert "elements deleted" in str(told[0].message)
     assert "hourglass control took" in str(told[1].message)
     return run
-
-
-def call(*words: str | Path) -> tuple[int, str, str]:
-    """Run the command line in this process; return exit code, output and messages."""
-    result = CliRunner().invoke(app, [str(word) for word in words])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
 
 
 # --- choosing the method ---

@@ -47,9 +47,9 @@ METHOD, POINTS = "methods/mpm/method.py", "model/points.py"  # one with messages
 WORDS = [
     (METHOD, "the body does not stay in the box", "the body went away"),
     (METHOD, '"""The material point method as the driver sees it."""', '"""What the driver sees.\n\nOf MPM.\n"""'),
-    (METHOD, '"""What each interaction did to the body since the start', '"""What was done to the body'),
+    (METHOD, '"""The choices that make an MPM."""', '"""What an MPM is made of."""'),
     (METHOD, "# --- the stages of a step ---", "# a step, stage by stage"),
-    (METHOD, "class MaterialPointMethod:", "\n\n# one more class\nclass MaterialPointMethod:"),
+    (METHOD, "class MaterialPointMethod(", "\n\n# one more class\nclass MaterialPointMethod("),
     (POINTS, "@kernel(CHUNKS)", "\n\n# another line number for all that follows\n@kernel(CHUNKS)"),
     (POINTS, '"""Sum over each chunk of points the energies [mJ]', '"""Add up the energies [mJ]'),
 ]

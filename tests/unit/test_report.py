@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scenes import runs_side_by_side, scene_of_runs  # noqa: F401
 
 import viscopoint as vp
 from viscopoint.errors import OutputError
@@ -56,16 +57,6 @@ def pixel(tmp_path: Path) -> Path:
     file = tmp_path / "pixel.png"
     file.write_bytes(PIXEL)
     return file
-
-
-@pytest.fixture(scope="module")
-def runs(finished: Path, finished_fem: Path) -> dict[tuple[str, str], vp.Run]:
-    return {("soft", "FEM"): vp.Run(finished_fem), ("soft", "MPM"): vp.Run(finished)}
-
-
-@pytest.fixture(scope="module")
-def scene(runs: dict[tuple[str, str], vp.Run]) -> Scene:
-    return scene_of(runs)
 
 
 # --- the page ---

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scenes import runs_side_by_side, scene_of_runs  # noqa: F401
 
 import viscopoint as vp
 from viscopoint.methods.fem.mesh import point_volumes
@@ -19,16 +20,6 @@ FAST = {
     "method.size": "1.5 mm", "method.safety": 0.5, "method.delete_below": 0.1, "impact.speed": "1000 m/s",
     "time.end": "16 us", "time.snapshots": ["4 us"], "guards.lost_share": 1.0, "guards.hourglass_share": 1.0,
 }  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def runs(finished: Path, finished_fem: Path) -> dict[tuple[str, str], vp.Run]:
-    return {("soft", "FEM"): vp.Run(finished_fem), ("soft", "MPM"): vp.Run(finished)}
-
-
-@pytest.fixture(scope="module")
-def scene(runs: dict[tuple[str, str], vp.Run]) -> Scene:
-    return scene_of(runs)
 
 
 @pytest.fixture(scope="module")

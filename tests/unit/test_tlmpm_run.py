@@ -2,10 +2,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from shell import call
 
 import viscopoint as vp
-from viscopoint.command_line.cli import app
 from viscopoint.comparison import compare
 from viscopoint.methods.tlmpm.inputs import TotalLagrangianInput
 from viscopoint.report.scene import scene_of
@@ -16,13 +15,6 @@ SHORT = {"method.spacing": "0.95 mm", "method.cell": "1.9 mm", "time.end": "2 us
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> vp.Run:
     return vp.run(vp.Case.load("paper", SHORT, method="tlmpm"), tmp_path_factory.mktemp("runs") / "tlmpm")
-
-
-def call(*words: str | Path) -> tuple[int, str, str]:
-    """Run the command line in this process; return exit code, output and messages."""
-    result = CliRunner().invoke(app, [str(word) for word in words])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
 
 
 def test_a_case_runs_with_it_at_its_own_distance(tmp_path: Path):

@@ -13,11 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 from columns import COURANT, LENGTH, viscoelastic
+from material_point import State
+from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from viscopoint.interactions.planes import Interaction, rigid_wall, symmetry_plane
 from viscopoint.kernels.arrays import Real
+from viscopoint.kernels.tensors import COMPONENTS
 from viscopoint.methods.fem.elements import Element
 from viscopoint.methods.fem.elements.one_point import OnePoint
 from viscopoint.methods.fem.elements.selective import Selective
@@ -26,7 +29,6 @@ from viscopoint.methods.fem.hourglass import StiffnessControl, ViscousControl
 from viscopoint.methods.fem.mesh import node_volumes, stable_lengths
 from viscopoint.methods.fem.method import Discretisation, FiniteElementMethod
 from viscopoint.model.body import Body, Surface
-from viscopoint.model.method import Totals
 from viscopoint.model.viscosity import BulkViscosity
 
 Array = NDArray[np.float64]
@@ -36,7 +38,6 @@ ELEMENTS = {"viscous": VISCOUS, "stiffness": STIFF, "selective": SELECTIVE}
 each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
 ELASTIC = viscoelastic(0.0)  # an arm that never relaxes: the same kernels serve all tests
 DISPERSION = (1 - COURANT**2) / 24
-EPS = np.finfo(float).eps
 ON_WALL = (rigid_wall(0.0, 0.0),)
 
 
@@ -75,12 +76,13 @@ def fem(
     viscosity: tuple[float, float] = (0.0, 0.0),
     delete_below: float = 0.0,
     real: Real = np.float64,
+    safety: float = 0.0,
 ) -> FiniteElementMethod:
-    """Return a method whose step is ``courant`` times that of a wave along the shortest edge."""
-    safety = (
-        courant * quality(body.position, body.cells).smallest_edge / stable_lengths(body.position, body.cells).min()
-    )
-    choices = Discretisation(element, float(safety), BulkViscosity(*viscosity), delete_below, real)
+    """Return a method whose step is ``courant`` times that of a wave along the shortest edge, if not ``safety``."""
+    if not safety:
+        lengths = stable_lengths(body.position, body.cells)
+        safety = courant * float(quality(body.position, body.cells).smallest_edge / lengths.min())
+    choices = Discretisation(element, safety, BulkViscosity(*viscosity), delete_below, real)
     return FiniteElementMethod(body, law, boundaries, choices, velocity)
 
 
@@ -100,17 +102,12 @@ def bar(
 
 
 def column(
-    cells: int,
-    element: Element,
-    law: Any = ELASTIC,
-    boundaries: Boundaries = ON_WALL,
-    velocity: Callable[[Array], Array] = np.zeros_like,
-    courant: float = COURANT,
+    cells: int, element: Element, law: Any = ELASTIC, boundaries: Boundaries = ON_WALL, **motion: Any
 ) -> FiniteElementMethod:
     """Return such a row of cubes between rollers on its four sides: one-dimensional."""
     half = 0.5 * LENGTH / cells
     rollers = [symmetry_plane(axis, place) for axis in (0, 1) for place in (-half, half)]
-    return bar(cells, element, law, (*boundaries, *rollers), velocity, courant)
+    return bar(cells, element, law, (*boundaries, *rollers), **motion)
 
 
 def upward(speed: Callable[[Array], Array]) -> Callable[[Array], Array]:
@@ -138,11 +135,6 @@ def answer(method: FiniteElementMethod, velocity: Array, dt: float) -> Array:
     return nodes.force.copy()
 
 
-def missing(start: Totals, now: Totals) -> float:
-    """Return the share of the initial energy that no account holds."""
-    return 1 - now.energy / start.energy
-
-
 def fitted(times: Array, signal: Array, roots: Any) -> complex:
     """Return the exponent that rings of a sum of exponentials that fits best; the search starts at ``roots``."""
     scale = np.abs(roots).max()
@@ -157,3 +149,18 @@ def fitted(times: Array, signal: Array, roots: Any) -> complex:
     start = np.array([ringing.real, ringing.imag, *fading]) / scale
     found = least_squares(residual, start, ftol=1e-15, xtol=1e-15, gtol=1e-15).x * scale
     return complex(found[0], found[1])
+
+
+def assert_strained_as_a_material_point(
+    method: FiniteElementMethod, state: State, force: Array, inner: NDArray[np.bool_], rounding: float, size: float
+) -> None:
+    """All points have its stress and J, and their ``force`` is nil on inner nodes, up to the share ``rounding``.
+
+    ``size`` is that of the areas on which stress pulls there [mm^2].
+    """
+    found = method.elements.material.stress.reshape(-1, 6)
+    stress = [getattr(state.stress, name) for name in COMPONENTS]
+    assert_allclose(found, np.broadcast_to(stress, found.shape), rtol=0, atol=rounding * ELASTIC.p_wave_modulus)
+    assert_allclose(method.elements.shared.jacobian, state.jacobian, rtol=rounding)
+    assert np.abs(force[~inner]).max() > 1.0  # N
+    assert_allclose(force[inner], 0.0, atol=size * rounding * ELASTIC.p_wave_modulus)

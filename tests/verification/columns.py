@@ -37,6 +37,7 @@ from viscopoint.model.viscosity import BulkViscosity
 
 Array = NDArray[np.float64]
 DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG, LENGTH = 1e-3, 550.0, 140.0, 5.0, 25.4  # g/mm^3, MPa, mm
+MODULI = (DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG)  # as ``laplace`` takes them
 ACROSS = 2  # cells along x and y
 CELL, HEIGHT, BOX = 1.0, 6.0, Box((-6.0, -6.0, 0.0), (6.0, 6.0, 20.0))  # mm, of the rod
 COURANT = 0.5

@@ -1,27 +1,16 @@
 """Axisymmetric bodies: rings of quadrilateral section, and finite element methods on them."""
 
-from typing import Any
+from functools import partial
 
+import bricks
 import numpy as np
-import pytest
-from bricks import ELASTIC, Array, Boundaries
+from bricks import Array
 from numpy.typing import NDArray
 
-from viscopoint.methods.fem.elements import Element
-from viscopoint.methods.fem.elements.one_point import OnePoint
-from viscopoint.methods.fem.elements.selective import Selective
-from viscopoint.methods.fem.hourglass import StiffnessControl, ViscousControl
-from viscopoint.methods.fem.method import Discretisation, FiniteElementMethod
 from viscopoint.methods.fem.section import node_volumes, section_mesh
 from viscopoint.model.body import Body
-from viscopoint.model.viscosity import BulkViscosity
 
-ELEMENTS = {
-    "viscous": OnePoint(ViscousControl()),
-    "stiffness": OnePoint(StiffnessControl()),
-    "selective": Selective(),
-}
-each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
+fem = partial(bricks.fem, safety=0.9)
 
 
 def section(radius: float, length: float, columns: int, layers: int, shake: float = 0.0) -> Body:
@@ -37,16 +26,3 @@ def outside(position: Array) -> NDArray[np.bool_]:
     """Return which nodes stand on the axis, the mantle or the ends."""
     low, high = position.min(axis=0), position.max(axis=0)
     return ((position == low) | (position == high))[:, [0, 2]].any(axis=1)
-
-
-def fem(
-    body: Body,
-    element: Element,
-    law: Any = ELASTIC,
-    boundaries: Boundaries = (),
-    velocity: Any = (0.0, 0.0, 0.0),
-    safety: float = 0.9,
-    viscosity: tuple[float, float] = (0.0, 0.0),
-) -> FiniteElementMethod:
-    choices = Discretisation(element, safety, BulkViscosity(*viscosity))
-    return FiniteElementMethod(body, law, boundaries, choices, velocity)

@@ -16,13 +16,11 @@ import mpmath
 import numpy as np
 import pytest
 from columns import (
-    BULK,
     DENSITY,
     DISPERSION,
     ELASTIC,
     LENGTH,
-    SHEAR_LONG,
-    SHEAR_SHORT,
+    MODULI,
     Array,
     advance,
     area,
@@ -43,7 +41,6 @@ BEFORE, AFTER = 0.02, 0.045  # ms; the front is at 17.2 mm, then at 38.6 mm, on 
 TIMES = (0.005, 0.01, BEFORE, 0.04, AFTER, 0.055)
 DECAYS = (6.5, 65.0, 650.0)  # 1/ms
 pytestmark = pytest.mark.usefixtures("one_thread")
-MODULI = (DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG)
 CREST_LAG = 1.788  # int_xi^inf step / step at its crest, xi = -2.338
 
 

@@ -1,25 +1,13 @@
-"""What a step must keep: momentum, energy, rest, freedom after contact; and that no bit depends on the machine.
+"""What a step of material points must keep: momentum, energy, rest, freedom, every bit. See ``conserved``."""
 
-Bounds "to rounding" allow for ``ROUNDING`` per step, some hundred roundings of the sums over a few thousand points.
-"""
-
+from functools import partial
 from typing import Any
 
-import numba
+import conserved
 import numpy as np
 import pytest
-from columns import (
-    BOX,
-    CELL,
-    ELASTIC,
-    HEIGHT,
-    Array,
-    advance,
-    block,
-    column,
-    one_thread,  # noqa: F401
-    rod,
-)
+from columns import BOX, CELL, ELASTIC, HEIGHT, advance, block, column, one_thread, rod  # noqa: F401
+from conserved import ROUNDING, missing, missing_after, steps
 from numpy.testing import assert_allclose, assert_array_equal
 
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane
@@ -37,27 +25,8 @@ pytestmark = pytest.mark.usefixtures("one_thread")
 # The plain "usl" takes strain from nodes that hardly any mass is on (MUSL was made to cure that), and does not survive
 # points that come to such nodes: it is asked for few steps.
 SCHEMES_AND_STEPS = pytest.mark.parametrize(("scheme", "count"), [("musl", 100), ("usf", 100), ("usl", 10)])
-THREADS = numba.get_num_threads()
-ROUNDING = 100 * np.finfo(float).eps
 VELOCITY = (13.0, -17.0, 11.0)  # mm/ms
-
-
-def stirred(position: Array) -> Array:
-    """Return random velocities on top of a stretch, a spin and a flight."""
-    x, y, z = position.T
-    smooth = np.column_stack([9 * x - 5 * y, 5 * x + 7 * y, 11 * (z - 9)])
-    return smooth + np.random.default_rng(4).normal(size=position.shape) + [3.0, -2.0, 4.0]
-
-
-def steps(method: MaterialPointMethod, count: int) -> MaterialPointMethod:
-    for _ in range(count):
-        method.advance(method.stable_step())
-    return method
-
-
-def missing(start: Totals, now: Totals) -> float:
-    """Return the share of the initial energy that no account holds."""
-    return 1 - now.energy / start.energy
+stirred = partial(conserved.stirred, middle=9.0)
 
 
 def assert_momentum_kept(method: MaterialPointMethod, start: Totals, count: int) -> None:
@@ -129,9 +98,7 @@ def test_energy_of_a_small_vibration_closes_to_first_order_in_the_time_step() ->
     for safety in (0.2, 0.1, 0.05):
         motion = 0.2 * (rod(lift=6.0).body.position - [0.0, 0.0, 9.0]) * [1.0, -0.6, -1.5]
         method = rod(ELASTIC, motion, lift=6.0, safety=safety, viscosity=(0.0, 0.0))
-        start = method.totals()
-        advance(method, 0.02)
-        errors.append(missing(start, method.totals()))
+        errors.append(missing_after(method))
     assert_allclose([errors[0] / errors[1], errors[1] / errors[2]], 2.0, rtol=0.15)
     assert abs(2 * errors[2] - errors[1]) < 0.1 * errors[2]  # nothing else is missing
 
@@ -189,12 +156,6 @@ def test_rollers_do_no_work() -> None:
     assert abs(method.totals().friction) < 1e-6 * start
 
 
-def assert_same_bits(one: dict[str, Any], other: dict[str, Any]) -> None:
-    assert one.keys() == other.keys()
-    for name, values in one.items():
-        assert_array_equal(values, other[name], err_msg=name)
-
-
 def impact(box: Box = BOX, real: Real = np.float64) -> MaterialPointMethod:
     return rod(velocity=(3.0, 1.0, -100.0), walls=(rigid_wall(0.0, 0.1),), cell=0.5, box=box, real=real)
 
@@ -203,13 +164,7 @@ def impact(box: Box = BOX, real: Real = np.float64) -> MaterialPointMethod:
     "real", [np.float64, pytest.param(np.float32, marks=pytest.mark.long)], ids=["double", "single"]
 )
 def test_thread_count_changes_no_bit(real: Real) -> None:
-    if THREADS < 2:
-        pytest.skip("one core")
-    states = []
-    for threads in (1, 2):
-        numba.set_num_threads(threads)
-        states.append(steps(impact(real=real), 40).state())
-    assert_same_bits(*states)
+    conserved.assert_thread_count_changes_no_bit(lambda: steps(impact(real=real), 40).state())
 
 
 def of_points(method: MaterialPointMethod) -> dict[str, Any]:
@@ -222,7 +177,7 @@ def of_points(method: MaterialPointMethod) -> dict[str, Any]:
 def test_larger_box_changes_no_bit() -> None:
     larger = Box(BOX.low, (60.0, 60.0, 200.0))
     one, other = steps(impact(), 40), steps(impact(larger), 40)
-    assert_same_bits(of_points(one), of_points(other))
+    conserved.assert_same_bits(of_points(one), of_points(other))
     assert_array_equal(one.reactions, other.reactions)
     assert one.stable_step() == other.stable_step()
 
@@ -236,12 +191,7 @@ def test_box_that_begins_further_away_changes_only_roundings() -> None:
 
 
 def test_restored_run_goes_on_bit_for_bit() -> None:
-    straight = steps(impact(), 20)
-    saved = straight.state()
-    resumed = impact()
-    resumed.restore(saved)
-    assert_same_bits(steps(straight, 20).state(), steps(resumed, 20).state())
-    assert_array_equal(straight.totals().impulse, resumed.totals().impulse)
+    conserved.assert_restored_run_goes_on_bit_for_bit(impact)
 
 
 def test_points_that_leave_the_box_are_counted_and_stay_in_the_balance() -> None:

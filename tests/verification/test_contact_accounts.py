@@ -7,7 +7,7 @@ import lagrangian
 import numpy as np
 import pytest
 from columns import ELASTIC, Array, one_thread  # noqa: F401
-from lagrangian import ROUNDING, steps
+from conserved import ROUNDING, steps
 from numpy.testing import assert_allclose
 
 from viscopoint.interactions.on_nodes import take_velocity

@@ -4,8 +4,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-from bricks import ELASTIC, ELEMENTS, EPS, Array, answer, brick, column, each_element, fem, fitted, missing, upward
+from bricks import ELASTIC, ELEMENTS, Array, answer, brick, column, each_element, fem, fitted, upward
 from columns import COURANT, DENSITY, LENGTH, one_thread  # noqa: F401
+from conserved import EPS, missing
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import root_scalar
 
@@ -127,9 +128,9 @@ def grown(method: FiniteElementMethod, share: float, steps: int) -> float:
 @each_element
 def test_column_is_stable_up_to_its_critical_step_and_not_beyond(element: Element) -> None:
     shortest = upward(lambda z: SLOW * np.cos(8 * np.pi * z / LENGTH))  # has w = 2c/h
-    assert grown(column(8, element, ELASTIC, (), shortest, 1.0), 0.99, 200) < 1 + STRAIN * 200
+    assert grown(column(8, element, ELASTIC, (), velocity=shortest, courant=1.0), 0.99, 200) < 1 + STRAIN * 200
     # sin(w dt / 2) = 1.01: a factor exp(2 acosh 1.01) a step, for one half of the wave
-    unstable = grown(column(8, element, ELASTIC, (), shortest, 1.0), 1.01, 20)
+    unstable = grown(column(8, element, ELASTIC, (), velocity=shortest, courant=1.0), 1.01, 20)
     assert_allclose(unstable, np.exp(40 * np.arccosh(1.01)) / 2, rtol=40 * STRAIN * unstable)
 
 

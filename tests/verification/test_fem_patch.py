@@ -9,18 +9,19 @@ import numpy as np
 import pytest
 from bricks import (
     ELASTIC,
-    EPS,
     SELECTIVE,
     STIFF,
     VISCOUS,
     Array,
     answer,
+    assert_strained_as_a_material_point,
     brick,
     each_element,
     fem,
     outside,
 )
-from columns import one_thread, viscoelastic  # noqa: F401
+from columns import one_thread  # noqa: F401
+from conserved import EPS, RELAXING
 from material_point import at_rest, moved, square
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
@@ -37,7 +38,6 @@ from viscopoint.methods.fem.method import FiniteElementMethod
 from viscopoint.model.body import Body
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-RELAXING = viscoelastic(65.0)
 ROUNDING = 100 * EPS  # a few dozen operations on numbers of the size of the result
 MODULUS = ELASTIC.p_wave_modulus
 HOURGLASS = {"eta_zeta": ETA * ZETA, "zeta_xi": ZETA * XI, "xi_eta": XI * ETA, "all": XI * ETA * ZETA}
@@ -68,13 +68,8 @@ def test_patch_of_distorted_elements_has_the_stress_of_a_material_point(element:
     for number, gradient in enumerate(gradients(4), start=1):
         force = answer(method, method.nodes.position @ gradient.T / dt + [3.0, -2.0, 5.0], dt)
         state = moved(RELAXING, step_factors(RELAXING, dt), state, gradient)
-        found = method.elements.material.stress.reshape(-1, 6)
-        stress = [getattr(state.stress, name) for name in ("xx", "yy", "zz", "xy", "yz", "zx")]
-        rounding = number * ROUNDING * MODULUS
-        assert_allclose(found, np.broadcast_to(stress, found.shape), rtol=0, atol=rounding)
-        assert_allclose(method.elements.shared.jacobian, state.jacobian, rtol=number * ROUNDING)
-        assert np.abs(force[~inner]).max() > 1.0  # N
-        assert_allclose(force[inner], 0.0, atol=10 * rounding)  # on areas of about 1 mm^2 of eight elements
+        # on areas of about 1 mm^2 of eight elements
+        assert_strained_as_a_material_point(method, state, force, inner, number * ROUNDING, size=10.0)
     assert_allclose(method.elements.material.dissipated, state.dissipated, rtol=10 * ROUNDING)
     assert_allclose(method.elements.hourglass_work, 0.0, atol=ROUNDING)
 

@@ -9,11 +9,12 @@ import bricks
 import laplace
 import numpy as np
 import pytest
-from bricks import ELASTIC, EPS, answer, fitted, missing, upward
-from columns import BULK, DENSITY, LENGTH, SHEAR_LONG, SHEAR_SHORT, advance, one_thread, order, viscoelastic  # noqa: F401
+from bricks import ELASTIC, ELEMENTS, answer, each_element, fitted, upward
+from columns import BULK, DENSITY, LENGTH, MODULI, SHEAR_SHORT, one_thread, order, viscoelastic  # noqa: F401
+from conserved import RELAXING, ROUNDING, missing_after
 from material_point import at_rest, moved
 from numpy.testing import assert_allclose, assert_array_equal
-from rings import ELEMENTS, each_element, fem, outside, section
+from rings import fem, outside, section
 from scipy.optimize import root_scalar
 from scipy.special import j0, j1
 
@@ -25,8 +26,6 @@ from viscopoint.methods.fem.section import section_mesh
 from viscopoint.model.body import Body
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-RELAXING = viscoelastic(65.0)
-ROUNDING = 100 * EPS
 MODULUS = ELASTIC.p_wave_modulus
 SOUND = float(np.sqrt(MODULUS / DENSITY))
 SLOW = 1e-5  # mm/ms
@@ -48,13 +47,8 @@ def test_patch_of_distorted_rings_has_the_stress_of_a_material_point(element: El
         gradient = np.diag([wide, wide, high])
         force = answer(method, method.nodes.position @ gradient / dt + [0.0, 0.0, 5.0], dt)
         state = moved(RELAXING, step_factors(RELAXING, dt), state, gradient)
-        found = method.elements.material.stress.reshape(-1, 6)
-        stress = [getattr(state.stress, name) for name in ("xx", "yy", "zz", "xy", "yz", "zx")]
-        rounding = number * ROUNDING * MODULUS
-        assert_allclose(found, np.broadcast_to(stress, found.shape), rtol=0, atol=rounding)
-        assert_allclose(method.elements.shared.jacobian, state.jacobian, rtol=number * ROUNDING)
-        assert np.abs(force[~inner]).max() > 1.0  # N
-        assert_allclose(force[inner], 0.0, atol=100 * rounding)  # on rings of up to 2 pi 3 mm x 1 mm
+        # on rings of up to 2 pi 3 mm x 1 mm
+        bricks.assert_strained_as_a_material_point(method, state, force, inner, number * ROUNDING, size=100.0)
         assert_array_equal(force[:, 1], 0.0)
     assert_allclose(method.elements.material.dissipated, state.dissipated, rtol=10 * ROUNDING)
     assert_allclose(method.elements.hourglass_work, 0.0, atol=10 * ROUNDING)
@@ -129,7 +123,7 @@ def test_column_of_rings_between_rollers_moves_as_one_of_cubes(name: str, decay:
     assert_allclose(layers / speed, np.repeat(exact[:, None] / speed, 3, axis=1), rtol=0, atol=steps * strain)
     push, area = float(rings.totals().impulse[2]), np.pi * (2 * side) ** 2
     assert_allclose(push / area, float(cubes.totals().impulse[2]) / bricks.area(cubes), rtol=steps * strain)
-    solid = laplace.confined(DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG, decay)
+    solid = laplace.confined(*MODULI, decay)
     tau = 2 * solid.speed * 0.02 / side  # a chain's faint ringing, see test_fem_waves
     faint = np.sqrt(1 / (2 * np.pi)) * tau**-1.5 * DENSITY * speed * side
     assert_allclose(push / area, laplace.wall_impulse(solid, LENGTH, speed, 0.02), rtol=0, atol=faint)
@@ -162,10 +156,7 @@ def shaken(element: Element, law: Any, safety: float, viscosity: tuple[float, fl
     body = distorted()
     x, _, z = body.position.T / 3.0
     motion = 1e-3 * np.column_stack([x * np.sin(2 * z) + x**2, 0 * x, np.sin(2 * x**2) - z * x])
-    method = fem(body, element, law, (), motion, safety, viscosity)
-    start = method.totals()
-    advance(method, 0.02)
-    return missing(start, method.totals())
+    return missing_after(fem(body, element, law, (), motion, safety=safety, viscosity=viscosity))
 
 
 @each_element

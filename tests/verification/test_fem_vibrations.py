@@ -18,17 +18,7 @@ import laplace
 import numpy as np
 import pytest
 from bricks import DISPERSION, ELEMENTS, Array, bar, column, fitted, layers
-from columns import (
-    BULK,
-    COURANT,
-    DENSITY,
-    LENGTH,
-    SHEAR_LONG,
-    SHEAR_SHORT,
-    one_thread,  # noqa: F401
-    order,
-    viscoelastic,
-)
+from columns import BULK, COURANT, DENSITY, LENGTH, MODULI, SHEAR_LONG, SHEAR_SHORT, one_thread, order, viscoelastic  # noqa: F401
 from laplace import StandardSolid
 from numpy.testing import assert_allclose
 
@@ -36,7 +26,6 @@ from viscopoint.interactions.planes import symmetry_plane
 from viscopoint.methods.fem.method import FiniteElementMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-MODULI = (DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG)
 SPEED = 1e-4  # mm/ms: strains of 1e-7, what is not linear is of that size
 STRAIN = SPEED / 858.293
 MESHES = (16, 32, 64)
@@ -60,7 +49,7 @@ def ringing(make: Any, name: str, decay: float, cells: int, waves: int = 1) -> F
         swell = -lateral * k * np.cos(k * z)
         return SPEED * np.column_stack([swell * x, swell * y, np.sin(k * z)])
 
-    return make(cells, ELEMENTS[name], viscoelastic(decay), (symmetry_plane(2, 0.0),), motion)
+    return make(cells, ELEMENTS[name], viscoelastic(decay), (symmetry_plane(2, 0.0),), velocity=motion)
 
 
 def history(method: FiniteElementMethod, waves: int, samples: int, every: int) -> tuple[Array, Array]:

@@ -15,13 +15,12 @@ import laplace
 import numpy as np
 import pytest
 from bricks import DISPERSION, ELEMENTS, Array, area, bar, column, layers, upward
-from columns import BULK, DENSITY, LENGTH, SHEAR_LONG, SHEAR_SHORT, advance, one_thread, order, viscoelastic  # noqa: F401
+from columns import DENSITY, LENGTH, MODULI, advance, one_thread, order, viscoelastic  # noqa: F401
 from fronts import HALF, errors, width
 from laplace import StandardSolid
 from numpy.testing import assert_allclose
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-MODULI = (DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG)
 SPEED = 1e-4  # mm/ms: strains of 1e-7, which no error here comes close to
 PASSAGES = {"column": (0.02, 0.045), "rod": (0.02, 0.06)}  # ms; the front is before, then back from the free end
 TIMES = (0.02, 0.04, 0.045, 0.06, 0.08)

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 from columns import column, layers, one_thread, order, viscoelastic  # noqa: F401
+from conserved import missing
 from cylinders import RADIUS, ROOT, SOUND, Array, breathing, frequency, j1, rings
-from lagrangian import missing
 from numpy.testing import assert_allclose, assert_array_equal
 
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane

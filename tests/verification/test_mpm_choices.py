@@ -2,11 +2,12 @@
 
 from itertools import product
 
-import numba
+import conserved
 import numpy as np
 import pytest
-from columns import ELASTIC, SHEAR_SHORT, advance, one_thread, rod  # noqa: F401
-from numpy.testing import assert_allclose, assert_array_equal
+from columns import ELASTIC, one_thread, rod  # noqa: F401
+from conserved import ROUNDING, missing_after, steps
+from numpy.testing import assert_allclose
 
 from viscopoint.interactions.planes import rigid_wall
 from viscopoint.methods.mpm.fills import FILLS
@@ -16,8 +17,6 @@ from viscopoint.methods.mpm.shapes import SHAPES
 from viscopoint.methods.mpm.volumes import VOLUMES
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-THREADS = numba.get_num_threads()
-ROUNDING = 100 * np.finfo(float).eps
 NEW = [
     *((shape, "local") for shape in sorted(SHAPES) if shape != "trilinear"),
     *product(("trilinear", "gimp"), sorted(set(VOLUMES) - {"local"})),
@@ -36,12 +35,6 @@ SCHEME = pytest.mark.parametrize(
     ],
 )
 STEPS = {"musl": 60, "usf": 60, "usl": 10}  # the plain "usl" does not survive nodes of hardly any mass
-
-
-def steps(method: MaterialPointMethod, count: int) -> MaterialPointMethod:
-    for _ in range(count):
-        method.advance(method.stable_step())
-    return method
 
 
 def impact(fill: str, shape: str, volume: str, scheme: str = "musl") -> MaterialPointMethod:
@@ -87,30 +80,16 @@ def test_energy_of_a_small_vibration_closes_to_first_order_in_the_time_step(fill
         motion = 0.2 * (body.position - [0.0, 0.0, 3.0]) * [1.0, -0.6, -1.5]
         damping = (0.0, 0.0)
         method = rod(ELASTIC, motion, lift=6.0, safety=safety, viscosity=damping, body=body, shape=shape, volume=volume)
-        start = method.totals()
-        advance(method, 0.02)
-        now = method.totals()
-        errors.append(1 - now.energy / start.energy)
+        errors.append(missing_after(method))
     assert_allclose([errors[0] / errors[1], errors[1] / errors[2]], 2.0, rtol=0.15)
     assert abs(2 * errors[2] - errors[1]) < 0.1 * errors[2]  # nothing else is missing
 
 
 @PARTS
 def test_thread_count_changes_no_bit(shape: str, volume: str) -> None:
-    if THREADS < 2:
-        pytest.skip("one core")
-    states = []
-    for threads in (1, 2):
-        numba.set_num_threads(threads)
-        states.append(steps(impact("rings", shape, volume), 30).state())
-    for name, values in states[0].items():
-        assert_array_equal(values, states[1][name], err_msg=name)
+    conserved.assert_thread_count_changes_no_bit(lambda: steps(impact("rings", shape, volume), 30).state())
 
 
 @PARTS
 def test_restored_run_goes_on_bit_for_bit(shape: str, volume: str) -> None:
-    straight, resumed = steps(impact("rings", shape, volume), 15), impact("rings", shape, volume)
-    resumed.restore(straight.state())
-    one, other = steps(straight, 15).state(), steps(resumed, 15).state()
-    for name, values in one.items():
-        assert_array_equal(values, other[name], err_msg=name)
+    conserved.assert_restored_run_goes_on_bit_for_bit(lambda: impact("rings", shape, volume), 15)

@@ -10,7 +10,7 @@ import lagrangian
 import numpy as np
 import pytest
 from columns import ELASTIC, Array, block, one_thread, rod, viscoelastic  # noqa: F401
-from lagrangian import ROUNDING
+from conserved import ROUNDING
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 

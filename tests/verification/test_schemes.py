@@ -21,6 +21,7 @@ from columns import (
     DISPERSION,
     ELASTIC,
     LENGTH,
+    MODULI,
     SHEAR_LONG,
     SHEAR_SHORT,
     Array,
@@ -199,7 +200,7 @@ def modes(signal: Array, interval: float, number: int) -> Array:
 @pytest.mark.parametrize("decay", [0.0, 6.5, 65.0, 650.0])
 @pytest.mark.parametrize("end", ["free", "held"])
 def test_column_vibrates_and_damps_as_the_standard_solid(decay: float, end: str) -> None:
-    solid = laplace.confined(DENSITY, BULK, SHEAR_SHORT, SHEAR_LONG, decay)
+    solid = laplace.confined(*MODULI, decay)
     k = np.pi / LENGTH if end == "free" else np.pi / (2 * LENGTH)
     frequency = k * solid.speed
     roots = np.roots([1.0, decay, frequency**2, frequency**2 * solid.a])

@@ -30,7 +30,7 @@ def elements(scale: float, name: str) -> Any:
 
 def disc(scale: float, name: str) -> Any:
     body = rings.section(2 * scale, 3 * scale, 2, 3)
-    return rings.fem(body, rings.ELEMENTS[name], ELASTIC, WALL, (0.0, 0.0, -SPEED), viscosity=VISCOSITY)
+    return rings.fem(body, bricks.ELEMENTS[name], ELASTIC, WALL, (0.0, 0.0, -SPEED), viscosity=VISCOSITY)
 
 
 def reference_points(scale: float, name: str) -> Any:
@@ -48,7 +48,7 @@ def points(scale: float, name: str) -> Any:
 
 KINDS = {
     **{f"fem-{name}": (elements, name) for name in bricks.ELEMENTS},
-    **{f"rings-{name}": (disc, name) for name in rings.ELEMENTS},
+    **{f"rings-{name}": (disc, name) for name in bricks.ELEMENTS},
     **{f"tlmpm-{name}": (reference_points, name) for name in ("local", "cell-mean")},
     **{f"mpm-{name}": (points, name) for name in ("nodes", "gated")},
 }

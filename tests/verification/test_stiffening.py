@@ -88,7 +88,7 @@ def squeezed(method: str, tells: float) -> Any:
 
     ends = (symmetry_plane(2, 0.0), symmetry_plane(2, columns.LENGTH))
     if method == "fem":
-        made: Any = bricks.column(cells, bricks.SELECTIVE, material, ends, bricks.upward(speed))
+        made: Any = bricks.column(cells, bricks.SELECTIVE, material, ends, velocity=bricks.upward(speed))
     elif method == "tlmpm":
         made = lagrangian.column(cells, material, ends, lagrangian.upward(speed))
     else:

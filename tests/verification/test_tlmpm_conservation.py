@@ -1,30 +1,16 @@
 """What a step of total Lagrangian points must keep: momentum, energy, freedom after contact, every bit.
 
-Bounds "to rounding" allow for ``ROUNDING`` per step, some hundred roundings of the sums over a few hundred nodes.
+See ``conserved``.
 """
 
 from typing import Any
 
-import numba
+import conserved
 import numpy as np
 import pytest
-from columns import advance, one_thread, order, viscoelastic  # noqa: F401
-from lagrangian import (
-    ELASTIC,
-    EPS,
-    ROUNDING,
-    Array,
-    brick,
-    column,
-    each_volume,
-    flying,
-    levels,
-    missing,
-    rod,
-    steps,
-    stirred,
-    upward,
-)
+from columns import advance, one_thread, order  # noqa: F401
+from conserved import RELAXING, ROUNDING, missing, missing_after, spin, steps, stirred, trembling
+from lagrangian import ELASTIC, brick, column, each_volume, flying, levels, rod, upward
 from numpy.testing import assert_allclose, assert_array_equal
 
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane
@@ -33,19 +19,11 @@ from viscopoint.methods.mpm.fills import FILLS
 from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-RELAXING = viscoelastic(65.0)
-THREADS = numba.get_num_threads()
 each_fill = pytest.mark.parametrize("fill", sorted(FILLS))
 
 
 def impact(friction: float = 0.1, **choices: Any) -> TotalLagrangianMethod:
     return rod(RELAXING, flying(20.0, 5.0, -100.0), (rigid_wall(0.0, friction),), **choices)
-
-
-def spin(method: TotalLagrangianMethod) -> Array:
-    """Return the angular momentum about the origin."""
-    nodes = method.nodes
-    return np.cross(nodes.position, nodes.mass[:, None] * nodes.velocity).sum(axis=0)
 
 
 # --- flight ---
@@ -69,14 +47,7 @@ def test_free_flight_over_many_cells_strains_nothing(fill: str, volume: str) -> 
 
 @each_volume
 def test_linear_and_angular_momentum_are_kept_without_a_wall(volume: str) -> None:
-    method, count = rod(RELAXING, stirred, volume=volume), 200
-    start, turning = method.totals(), spin(method)
-    steps(method, count)
-    scale = count * ROUNDING * start.mass * np.abs(method.nodes.velocity).max()
-    assert np.abs(method.points.material.stress).max() > 0.1  # MPa: forces there were
-    assert_array_equal(method.totals().impulse, 0.0)
-    assert_allclose(method.totals().momentum, start.momentum, rtol=0, atol=scale)
-    assert_allclose(spin(method), turning, rtol=0, atol=scale * 6.0)
+    conserved.assert_free_flight_keeps_both_momenta(rod(RELAXING, stirred, volume=volume))
 
 
 def test_a_spinning_body_keeps_turning_rigidly_and_crosses_cells_unseen() -> None:
@@ -98,44 +69,15 @@ def test_a_spinning_body_keeps_turning_rigidly_and_crosses_cells_unseen() -> Non
 @each_volume
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_wall_impulse_is_the_change_of_momentum(volume: str, friction: float) -> None:
-    method, count = impact(friction, volume=volume), 200
-    start = method.totals()
-    rounded = 10 * EPS * start.mass * 100.0  # of what has been pushed so far
-    for _ in range(count):
-        before = method.totals().impulse
-        steps(method, 1)
-        push = method.totals().impulse - before
-        assert push[2] >= 0.0
-        assert np.hypot(*push[:2]) <= friction * push[2] + rounded  # Coulomb's cone
-    now = method.totals()
-    scale = count * ROUNDING * start.mass * 100.0
-    assert_allclose(now.momentum - start.momentum, now.impulse, rtol=0, atol=scale)
-    assert now.impulse[2] > 0.1 * start.mass * 100.0
-    assert (now.impulse[0] < 0.0) == (now.impulse[1] < 0.0) == (now.friction > 0.0) == (friction > 0.0)
+    conserved.assert_wall_impulse_is_the_change_of_momentum(impact(friction, volume=volume), friction)
 
 
 def test_contact_is_made_exactly_when_the_foot_has_crossed_the_gap() -> None:
     gap, speed, height = 0.0823, 40.0, -0.7
     method = brick((2, 2, 3), ELASTIC, (rigid_wall(height, 0.2),), flying(0.0, 0.0, -speed), lift=height + gap)
-    start, dt = method.totals(), method.stable_step()
     foot = method.nodes.partner >= 0
     assert foot.sum() == 9
-    free = int(gap / speed / dt)
-    assert free > 1
-    for _ in range(free):
-        method.advance(dt)
-        assert_array_equal(method.totals().impulse, 0.0)
-        assert_allclose(method.points.material.stress, 0.0, atol=1e-9)
-    assert_allclose(method.nodes.position[foot, 2], height + gap - free * dt * speed, rtol=0, atol=free * EPS)
-    method.advance(dt)
-    assert_array_equal(method.nodes.position[foot, 2], height)
-    assert_array_equal(method.nodes.velocity[foot, 2], 0.0)
-    assert method.totals().impulse[2] > 0.0
-    for _ in range(200):
-        method.advance(dt)
-        assert method.nodes.position[:, 2].min() >= height
-        assert method.points.position[:, 2].min() >= height - 10 * EPS
-    assert_allclose(method.totals().momentum - start.momentum, method.totals().impulse, atol=1e-12, rtol=0)
+    conserved.assert_contact_is_made_when_the_gap_is_crossed(method, foot, height, gap, speed)
 
 
 def test_first_touch_takes_no_energy() -> None:
@@ -177,15 +119,7 @@ def test_sliding_block_feels_coulomb_friction() -> None:
     friction, speed = 0.2, 20.0
     walls = (rigid_wall(0.0, friction), symmetry_plane(1, 0.0), symmetry_plane(1, 2.0))
     method = brick((4, 2, 3), ELASTIC, walls, flying(speed, 0.0, -1.0))
-    for _ in range(10):
-        before = method.totals().impulse
-        steps(method, 1)
-        push = method.totals().impulse - before
-        assert push[2] > 0.0
-        assert_allclose(push[0], -friction * push[2], rtol=1e-10)
-    now = method.totals()
-    # each bit of impulse works on nodes that still slide nearly at the speed of the start
-    assert_allclose(now.friction, -now.impulse[0] * speed, rtol=0.05)
+    conserved.assert_slides_by_coulomb(method, friction, speed)
 
 
 def test_slow_block_sticks_and_no_more() -> None:
@@ -206,15 +140,7 @@ def test_slow_block_sticks_and_no_more() -> None:
 
 def shaken(law: Any, safety: float, volume: str, viscosity: tuple[float, float] = (0.0, 0.0)) -> float:
     """Return what is missing of a rod's energy after some vibration."""
-
-    def motion(position: Array) -> Array:
-        x, y, z = position.T / 4.0
-        return 1e-3 * np.column_stack([np.sin(2 * z) + x, np.cos(3 * x), np.sin(2 * x + y) - z])
-
-    method = rod(law, motion, safety=safety, viscosity=viscosity, volume=volume)
-    start = method.totals()
-    advance(method, 0.02)
-    return missing(start, method.totals())
+    return missing_after(rod(law, trembling, safety=safety, viscosity=viscosity, volume=volume))
 
 
 @each_volume
@@ -231,34 +157,21 @@ def test_energy_of_a_small_vibration_closes_to_second_order_in_the_time_step(
 # --- bits ---
 
 
-def assert_same_bits(one: dict[str, Any], other: dict[str, Any]) -> None:
-    assert one.keys() == other.keys()
-    for name, values in one.items():
-        assert_array_equal(values, other[name], err_msg=name)
-
-
 @each_volume
 @pytest.mark.parametrize(
     ("shape", "real"), [("trilinear", np.float64), ("gimp", np.float64), ("trilinear", np.float32)]
 )
 def test_thread_count_changes_no_bit(volume: str, shape: str, real: Real) -> None:
-    if THREADS < 2:
-        pytest.skip("one core")
-    states = []
-    for threads in (1, 2):
-        numba.set_num_threads(threads)
+    def state() -> dict[str, Any]:
         method = steps(impact(spacing=0.25, volume=volume, shape=shape, fill="rings", real=real), 40)
-        states.append({**method.state(), "totals": np.hstack(method.totals()), "seen": method.velocities()})
-    assert_same_bits(*states)
+        return {**method.state(), "totals": np.hstack(method.totals()), "seen": method.velocities()}
+
+    conserved.assert_thread_count_changes_no_bit(state)
 
 
 @each_volume
 def test_restored_run_goes_on_bit_for_bit(volume: str) -> None:
-    straight, resumed = steps(impact(volume=volume), 20), impact(volume=volume)
-    resumed.restore(straight.state())
-    assert resumed.stable_step() == straight.stable_step()
-    assert_same_bits(steps(straight, 20).state(), steps(resumed, 20).state())
-    assert_array_equal(np.hstack(straight.totals()), np.hstack(resumed.totals()))
+    conserved.assert_restored_run_goes_on_bit_for_bit(lambda: impact(volume=volume))
 
 
 def test_planes_of_the_rod_s_nodes_begin_with_its_foot() -> None:

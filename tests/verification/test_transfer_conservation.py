@@ -2,11 +2,12 @@
 
 from typing import Any
 
-import numba
+import conserved
 import numpy as np
 import pytest
 from columns import Array, one_thread, rod  # noqa: F401
-from numpy.testing import assert_allclose, assert_array_equal
+from conserved import ROUNDING, steps
+from numpy.testing import assert_allclose
 
 import viscopoint as vp
 from viscopoint.interactions.planes import rigid_wall
@@ -17,20 +18,12 @@ from viscopoint.methods.mpm.transfers.affine_pic import Apic, Tpic
 from viscopoint.model.build import build
 
 pytestmark = pytest.mark.usefixtures("one_thread")
-THREADS = numba.get_num_threads()
-ROUNDING = 100 * np.finfo(float).eps
 NEW = [(Apic(), "gimp"), (Tpic(), "gimp"), (Apic(), "trilinear")]
 TRANSFER = pytest.mark.parametrize(("transfer", "shape"), NEW, ids=str)
 SCHEMES = [
     (*pair, scheme) for pair in NEW for scheme in ("musl", "usf", "usl") if (pair[1], scheme) != ("trilinear", "usl")
 ]
 SCHEME = pytest.mark.parametrize(("transfer", "shape", "scheme"), SCHEMES, ids=str)  # others are refused
-
-
-def steps(method: MaterialPointMethod, count: int) -> MaterialPointMethod:
-    for _ in range(count):
-        method.advance(method.stable_step())
-    return method
 
 
 def impact(**choices: Any) -> MaterialPointMethod:
@@ -66,23 +59,12 @@ def test_free_flight_changes_nothing(transfer: Any, shape: str, scheme: str) -> 
 
 @TRANSFER
 def test_thread_count_changes_no_bit(transfer: Any, shape: str) -> None:
-    if THREADS < 2:
-        pytest.skip("one core")
-    states = []
-    for threads in (1, 2):
-        numba.set_num_threads(threads)
-        states.append(steps(impact(transfer=transfer, shape=shape), 30).state())
-    for name, values in states[0].items():
-        assert_array_equal(values, states[1][name], err_msg=name)
+    conserved.assert_thread_count_changes_no_bit(lambda: steps(impact(transfer=transfer, shape=shape), 30).state())
 
 
 @TRANSFER
 def test_restored_run_goes_on_bit_for_bit(transfer: Any, shape: str) -> None:
-    straight, resumed = (impact(transfer=transfer, shape=shape) for _ in range(2))
-    resumed.restore(steps(straight, 15).state())
-    one, other = steps(straight, 15).state(), steps(resumed, 15).state()
-    for name, values in one.items():
-        assert_array_equal(values, other[name], err_msg=name)
+    conserved.assert_restored_run_goes_on_bit_for_bit(lambda: impact(transfer=transfer, shape=shape), 15)
 
 
 @TRANSFER

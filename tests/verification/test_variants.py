@@ -9,21 +9,22 @@ trilinear weights there, and so the trilinear D. Transfers that make up for the 
 import laplace
 import numpy as np
 import pytest
-from columns import (
+from columns import (  # noqa: F401
     COURANT,
     DENSITY,
     DISPERSION,
     LENGTH,
+    MODULI,
     advance,
     area,
     column,
     layers,
-    one_thread,  # noqa: F401
+    one_thread,
     viscoelastic,
 )
 from fronts import HALF, errors, width
 from numpy.testing import assert_allclose
-from test_column import MODULI, SPEED
+from test_column import SPEED
 
 from viscopoint.methods.mpm.transfers import Transfer
 from viscopoint.methods.mpm.transfers.affine_pic import Apic

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, Protocol
 
 from viscopoint.discovery import import_all
 from viscopoint.kernels.jit import generic, inline
+from viscopoint.kernels.logarithm import log
 from viscopoint.kernels.tensors import Matrix, Sym
 
 History = tuple[float, ...]
@@ -116,6 +117,13 @@ def hypoelastic_work(material: Any, growth: float, stress: Sym, history: History
 def volumetric_energy(bulk: float, jacobian: float, log_jacobian: float) -> float:
     """Return ∫ K ln J dJ, the energy per reference volume that p = -K ln J stores."""
     return bulk * (jacobian * log_jacobian - jacobian + 1.0)
+
+
+@inline
+def volume_and_shear_energy(material: Any, jacobian: float, stress: Sym, history: History) -> float:
+    """Return the stored energy of a material of p = -K ln J, K its ``bulk``."""
+    own = jacobian * shear_energy(material, stress, history)
+    return volumetric_energy(material.bulk, jacobian, log(jacobian)) + own
 
 
 @inline

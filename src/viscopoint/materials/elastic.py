@@ -2,23 +2,13 @@
 
 from typing import Literal, NamedTuple
 
+from viscopoint import materials
 from viscopoint.case.tables import MaterialInput
 from viscopoint.case.units import Density, Modulus, PositiveModulus
 from viscopoint.kernels.jit import implements
 from viscopoint.kernels.logarithm import log
 from viscopoint.kernels.tensors import Sym, contract, deviator, rotated, spherical
-from viscopoint.materials import (
-    History,
-    HistoryField,
-    Increment,
-    Response,
-    p_wave_modulus,
-    shear_energy,
-    step_factors,
-    stored_energy,
-    update_stress,
-    volumetric_energy,
-)
+from viscopoint.materials import History, Increment, Response, p_wave_modulus
 
 
 class Elastic(NamedTuple):
@@ -28,13 +18,11 @@ class Elastic(NamedTuple):
     bulk: float  # K, MPa
     shear: float  # G, MPa
 
+    history_fields = ()
+
     @property
     def p_wave_modulus(self) -> float:
         return p_wave_modulus(self.bulk, self.shear)
-
-    @property
-    def history_fields(self) -> tuple[HistoryField, ...]:
-        return ()
 
 
 class ElasticModuli(MaterialInput):
@@ -57,26 +45,22 @@ class ElasticInput(ElasticModuli):
         return self.elastic()
 
 
-@implements(step_factors, Elastic)
+@implements(materials.step_factors, Elastic)
 def none(material: Elastic, dt: float) -> float:
     return 0.0
 
 
-@implements(update_stress, Elastic)
+@implements(materials.update_stress, Elastic)
 def update(material: Elastic, factors: float, increment: Increment, stress: Sym, history: History) -> Response:
     shape = rotated(deviator(stress), increment.rotation) + 2.0 * material.shear * deviator(increment.strain)
     stress = shape + spherical(material.bulk * log(increment.jacobian))
     return Response(stress, history, 0.0, p_wave_modulus(material.bulk, material.shear))
 
 
-@implements(stored_energy, Elastic)
-def energy(material: Elastic, jacobian: float, stress: Sym, history: History) -> float:
-    return volumetric_energy(material.bulk, jacobian, log(jacobian)) + jacobian * shear_energy(
-        material, stress, history
-    )
+implements(materials.stored_energy, Elastic)(materials.volume_and_shear_energy)
 
 
-@implements(shear_energy, Elastic)
+@implements(materials.shear_energy, Elastic)
 def spring_energy(material: Elastic, stress: Sym, history: History) -> float:
     shape = deviator(stress)
     return 0.25 / material.shear * contract(shape, shape) if material.shear > 0.0 else 0.0

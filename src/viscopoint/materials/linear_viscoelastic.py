@@ -12,24 +12,14 @@ differs from the work done by ``hypoelastic_work``, which the energy balance cou
 import math
 from typing import Literal, NamedTuple
 
+from viscopoint import materials
 from viscopoint.case.rules import rule
 from viscopoint.case.tables import MaterialInput
 from viscopoint.case.units import Decay, Density, Modulus, PositiveModulus
 from viscopoint.kernels.jit import implements, inline
 from viscopoint.kernels.logarithm import log
 from viscopoint.kernels.tensors import Sym, components, contract, deviator, read, rotated, spherical
-from viscopoint.materials import (
-    History,
-    HistoryField,
-    Increment,
-    Response,
-    p_wave_modulus,
-    shear_energy,
-    step_factors,
-    stored_energy,
-    update_stress,
-    volumetric_energy,
-)
+from viscopoint.materials import History, HistoryField, Increment, Response, p_wave_modulus
 
 
 class LinearViscoelastic(NamedTuple):
@@ -41,13 +31,11 @@ class LinearViscoelastic(NamedTuple):
     shear_maxwell: float  # G_0 - G_inf, MPa
     decay: float  # beta, 1/ms
 
+    history_fields = (HistoryField("maxwell_stress", "MPa", 6),)
+
     @property
     def p_wave_modulus(self) -> float:
         return p_wave_modulus(self.bulk, self.shear_long + self.shear_maxwell)
-
-    @property
-    def history_fields(self) -> tuple[HistoryField, ...]:
-        return (HistoryField("maxwell_stress", "MPa", 6),)
 
 
 class ViscoelasticModuli(MaterialInput):
@@ -88,7 +76,7 @@ class MaxwellStep(NamedTuple):
     loss_strain: float  # dissipated per strain : strain
 
 
-@implements(step_factors, LinearViscoelastic)
+@implements(materials.step_factors, LinearViscoelastic)
 def maxwell_step(material: LinearViscoelastic, dt: float) -> MaxwellStep:
     x, maxwell = material.decay * dt, material.shear_maxwell
     mean = mean_decay(x)
@@ -96,7 +84,7 @@ def maxwell_step(material: LinearViscoelastic, dt: float) -> MaxwellStep:
     return MaxwellStep(math.exp(-x), mean, start, x * mean * mean, 2.0 * maxwell * x * mean_square_gain(x))
 
 
-@implements(update_stress, LinearViscoelastic)
+@implements(materials.update_stress, LinearViscoelastic)
 def update(
     material: LinearViscoelastic, factors: MaxwellStep, increment: Increment, stress: Sym, history: History
 ) -> Response:
@@ -115,14 +103,10 @@ def update(
     return Response(stress, components(arm), dissipated, modulus)
 
 
-@implements(stored_energy, LinearViscoelastic)
-def energy(material: LinearViscoelastic, jacobian: float, stress: Sym, history: History) -> float:
-    return volumetric_energy(material.bulk, jacobian, log(jacobian)) + jacobian * shear_energy(
-        material, stress, history
-    )
+implements(materials.stored_energy, LinearViscoelastic)(materials.volume_and_shear_energy)
 
 
-@implements(shear_energy, LinearViscoelastic)
+@implements(materials.shear_energy, LinearViscoelastic)
 def springs_energy(material: LinearViscoelastic, stress: Sym, history: History) -> float:
     arm = read(history)
     spring = deviator(stress) - arm

@@ -1,6 +1,6 @@
 """The body: where its material is at the start, and where its surface shows."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,12 @@ class Surface(NamedTuple):
     foot: Indices  # [column, 2], the same at the foot
     reach: float
     near: float  # what is no higher than this above the lowest point of the surface is in contact with the wall, mm
+
+
+def layered_surface(index: Indices, rim: Any, start: Array, radius: float, *, reach: float, near: float) -> Surface:
+    """Return the surface of a rod whose equal layers are the rows of ``index``, and ``rim`` the columns that show."""
+    tail, foot = np.column_stack([index[-1], index[-2]]), np.column_stack([index[0], index[1]])
+    return Surface(index[:, rim], start, radius, tail, foot, reach, near)
 
 
 EXACT = 1e-3  # of the radius: ``Surface.near`` of surfaces that nodes or points stand on

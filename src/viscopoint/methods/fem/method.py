@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from viscopoint.interactions.planes import Interaction
 from viscopoint.kernels.arrays import AnyArray, Array, Real
 from viscopoint.materials import Material
-from viscopoint.methods.fem.elements import Element, Limits
+from viscopoint.methods.fem.elements import Element
 from viscopoint.methods.fem.forms import form_of
+from viscopoint.methods.fem.internal_force import Limits, strain_elements
 from viscopoint.methods.fem.mesh import slabs
 from viscopoint.methods.fem.state import Elements, elements_at_rest
 from viscopoint.methods.lagrangian import LagrangianBody
@@ -50,13 +51,9 @@ class FiniteElementMethod(LagrangianBody):
     )
 
     def __init__(
-        self,
-        body: Body,
-        material: Material,
-        interactions: Sequence[Interaction],
-        choices: Discretisation,
+        self, body: Body, material: Material, interactions: Sequence[Interaction], choices: Discretisation,
         velocity: tuple[float, float, float] | Array,
-    ) -> None:
+    ) -> None:  # fmt: skip
         super().__init__(body, material, choices.time_step_factor)
         self.element, self.viscosity = choices.element, choices.viscosity
         self.form = form_of(body.cells)
@@ -95,9 +92,10 @@ class FiniteElementMethod(LagrangianBody):
 
     def strain(self, dt: float) -> None:
         material = self.block.of_step(dt)
-        self.element.internal_force(
-            self.nodes, self.elements, self.form.cell, self.slabs, self.limits, material, self.viscosity, dt
-        )
+        strain_elements(
+            self.nodes, self.elements, self.form.cell, self.element, self.slabs, self.limits, material, self.viscosity,
+            dt,
+        )  # fmt: skip
 
     # --- what the driver and the outputs ask ---
 

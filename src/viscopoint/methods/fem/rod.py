@@ -7,7 +7,7 @@ import numpy as np
 
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.methods.fem.mesh import node_volumes
-from viscopoint.model.body import EXACT, Body, Surface
+from viscopoint.model.body import EXACT, Body, layered_surface
 
 CORE = 0.68  # radius of the core's corners over that of the rod
 MANY = 10**8  # layers, beside which one more or less is nothing
@@ -70,14 +70,8 @@ def rod_mesh(radius: float, length: float, size: float, grading: float = 1.0) ->
     position = np.column_stack([np.tile(disc, (len(planes), 1)), np.repeat(planes, len(disc))])
     index = np.arange(len(position)).reshape(len(planes), len(disc))
     cells = np.concatenate([np.hstack([lower[quads], upper[quads]]) for lower, upper in itertools.pairwise(index)])
-    surface = Surface(
-        ring=index[:, rim],
-        start=np.full(len(rim), rim_radius(radius, len(rim))),
-        radius=radius,
-        tail=np.column_stack([index[-1], index[-2]]),
-        foot=np.column_stack([index[0], index[1]]),
-        reach=0.0,
-        near=EXACT * radius,
+    surface = layered_surface(
+        index, rim, np.full(len(rim), rim_radius(radius, len(rim))), radius, reach=0.0, near=EXACT * radius
     )
     return Body(position, node_volumes(position, cells), surface, cells)
 

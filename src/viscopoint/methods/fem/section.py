@@ -6,7 +6,7 @@ from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.methods.fem.cells.ring import ETA, GAUSS, TURN, XI, Ring
 from viscopoint.methods.fem.mesh import Form
 from viscopoint.methods.fem.rod import heights, layers
-from viscopoint.model.body import EXACT, Body, Surface
+from viscopoint.model.body import EXACT, Body, layered_surface
 
 EDGES = ((0, 1), (1, 2), (2, 3), (3, 0))
 
@@ -81,15 +81,7 @@ def section_mesh(radius: float, length: float, size: float, grading: float = 1.0
     cells = np.column_stack(
         [index[low, low].ravel(), index[low, high].ravel(), index[high, high].ravel(), index[high, low].ravel()]
     )
-    surface = Surface(
-        ring=index[:, -1:],
-        start=np.array([radius]),
-        radius=radius,
-        tail=np.column_stack([index[-1], index[-2]]),
-        foot=np.column_stack([index[0], index[1]]),
-        reach=0.0,
-        near=EXACT * radius,
-    )
+    surface = layered_surface(index, slice(-1, None), np.array([radius]), radius, reach=0.0, near=EXACT * radius)
     return Body(position, node_volumes(position, cells), surface, cells)
 
 

@@ -37,7 +37,7 @@ def inertia(weights: Weights) -> float:
 @inline
 def arms(at: Any) -> Support:
     """Return the support with N (x_i - x_p) (in cells) in place of the slopes along each axis."""
-    return Support(at.first, at.wx, at.wy, at.wz, leverage(at.wx), leverage(at.wy), leverage(at.wz))
+    return Support(at.first, at.wx, at.wy, at.wz, leverage(at.wx), leverage(at.wy), leverage(at.wz), 0.0)
 
 
 @inline

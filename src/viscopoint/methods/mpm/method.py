@@ -6,13 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from viscopoint.integrators.central_differences import CentralDifferences
 from viscopoint.interactions.planes import Interaction
-from viscopoint.interactions.rows import FRICTION_WORK, NORMAL_WORK, Rows
+from viscopoint.interactions.rows import Rows
 from viscopoint.kernels.arrays import AnyArray, Array, Real
-from viscopoint.kernels.slabs import CHUNKS
 from viscopoint.materials import Material
-from viscopoint.materials.block import MaterialBlock
+from viscopoint.methods.moving import MovingBody
 from viscopoint.methods.mpm import stress
 from viscopoint.methods.mpm.contact import PlanesOnGrid, let_go
 from viscopoint.methods.mpm.contacts import Contact
@@ -25,10 +23,9 @@ from viscopoint.methods.mpm.shapes import Shape
 from viscopoint.methods.mpm.transfers import Transfer
 from viscopoint.methods.mpm.volumes import Volume
 from viscopoint.methods.mpm.volumes.local import Local
-from viscopoint.model import points as points_of_any
 from viscopoint.model.body import Body, half_height
-from viscopoint.model.method import FailureHints, Field, Totals, history_fields, von_mises_of
-from viscopoint.model.points import sum_energies
+from viscopoint.model.method import FailureHints, Field
+from viscopoint.model.points import MaterialState, VolumeState
 from viscopoint.model.viscosity import BulkViscosity, signal_speed
 
 CONSTANT = ("mass", "volume", "material", "shared")  # of what points carry; the last two have names of their own
@@ -51,23 +48,18 @@ class Discretisation:
     real: Real = np.float64  # of the points' state
 
 
-class MaterialPointMethod:
+class MaterialPointMethod(MovingBody):
     """A body of material points on a background grid, moving at ``velocity`` [mm/ms] at the start."""
 
+    planes: PlanesOnGrid
+
     def __init__(
-        self,
-        body: Body,
-        material: Material,
-        interactions: Sequence[Interaction],
-        choices: Discretisation,
+        self, body: Body, material: Material, interactions: Sequence[Interaction], choices: Discretisation,
         velocity: tuple[float, float, float] | Array,
-    ) -> None:
-        self.body, self.material = body, material
-        self.block = MaterialBlock(material)
-        self.box, self.scheme, self.time_step_factor = choices.box, choices.scheme, choices.time_step_factor
-        self.transfer, self.half_height = choices.transfer, half_height(body)
-        self.viscosity, self.volume = choices.viscosity, choices.volume
-        self.sound = float(np.sqrt(material.p_wave_modulus / material.density))  # of the undeformed material, mm/ms
+    ) -> None:  # fmt: skip
+        super().__init__(body, material, choices.time_step_factor)
+        self.box, self.scheme, self.viscosity = choices.box, choices.scheme, choices.viscosity
+        self.transfer, self.volume, self.half_height = choices.transfer, choices.volume, half_height(body)
         mass, affine = material.density * body.volume, choices.transfer.affine
         self.points: Points = at_rest(body.position, mass, body.volume, self.block, affine, choices.real)
         self.points.velocity[:] = velocity
@@ -97,25 +89,10 @@ class MaterialPointMethod:
             "for this resolution; look at the last snapshot",
         )
 
-    @property
-    def reactions(self) -> Array:
-        """What each interaction did to the body since the start (``interactions.rows.REACTIONS``)."""
-        return self.planes.reactions
-
-    @reactions.setter
-    def reactions(self, place: Array) -> None:
-        self.planes.reactions = place
-
     def stable_step(self) -> float:
         return self.time_step_factor * float(self.grid.critical.min())
 
     # --- the stages of a step ---
-
-    def advance(self, dt: float) -> None:
-        """Advance this body alone by one step [ms]."""
-        if not hasattr(self, "_alone"):
-            self._alone = CentralDifferences((self,))
-        self._alone.advance(dt)
 
     def kick(self, dt: float) -> None:
         for act in self.scheme.kick:
@@ -164,27 +141,15 @@ class MaterialPointMethod:
 
     # --- what the driver and the outputs ask ---
 
-    def totals(self) -> Totals:
-        points, along = self.points, np.array(self.grid.geometry.resultant)
-        moving, straining = np.empty((CHUNKS, stress.SUMS)), np.empty((CHUNKS, points_of_any.SUMS))
-        stress.sum_motion(points, moving)
-        sum_energies(points.material, points.shared, points.volume, self.block.code, straining)
-        kinetic, mass, *momentum = np.add.reduce(moving).tolist()
-        energies, reactions = np.add.reduce(straining).tolist(), np.add.reduce(self.reactions)
-        return Totals(
-            kinetic=kinetic,
-            stored=energies[points_of_any.STORED_ENERGY],
-            dissipated=energies[points_of_any.DISSIPATED_ENERGY],
-            hypoelastic=energies[points_of_any.HYPOELASTIC_WORK],
-            viscous=energies[points_of_any.VISCOUS_WORK],
-            hourglass=0.0,
-            eroded=energies[points_of_any.ERODED_ENERGY],
-            contact=0.0 - float(reactions[NORMAL_WORK]),
-            friction=0.0 - float(reactions[FRICTION_WORK]),
-            momentum=along * momentum,
-            impulse=along * reactions[:3],
-            mass=mass,
-        )
+    @property
+    def resultant(self) -> Sequence[float]:
+        return self.grid.geometry.resultant
+
+    def states(self) -> tuple[MaterialState, VolumeState, Array]:
+        return self.points.material, self.points.shared, self.points.volume
+
+    def sum_motion(self, sums: Array) -> None:
+        stress.sum_motion(self.points, sums)
 
     def positions(self) -> Array:
         if self.lost() == 0:
@@ -206,23 +171,9 @@ class MaterialPointMethod:
         return self.grid.order[self.grid.start[-2] :]
 
     def snapshot(self) -> dict[str, Field]:
-        points, material, shared = self.points, self.points.material, self.points.shared
-        lost = np.zeros(len(points.mass), np.uint8)
+        lost = np.zeros(len(self.points.mass), np.uint8)
         lost[self._lost()] = 1
-        fields = {
-            "position": Field(points.position, "mm"),
-            "displacement": Field(points.position - self.body.position, "mm"),
-            "velocity": Field(points.velocity, "m/s"),
-            "stress": Field(material.stress, "MPa"),
-            "von_mises": Field(von_mises_of(material.stress), "MPa"),
-            "pressure": Field(-material.stress[:, :3].mean(axis=1), "MPa"),
-            "jacobian": Field(shared.jacobian, "1"),
-            "viscous_pressure": Field(shared.viscous_pressure, "MPa"),
-            "dissipated_energy": Field(material.dissipated, "mJ/mm^3"),
-            "lost": Field(lost, "1"),
-        }
-        fields |= history_fields(self.block.history_fields, material.history)
-        return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
+        return self.fields_of_points(self.points.position, self.points.velocity, lost)
 
     def state(self) -> dict[str, AnyArray]:
         points = self.points
@@ -231,6 +182,5 @@ class MaterialPointMethod:
         return {**kept, "critical": self.grid.critical, "reactions": self.reactions, "elapsed": self.planes.elapsed}
 
     def restore(self, state: dict[str, AnyArray]) -> None:
-        for name, rows in self.state().items():
-            rows[...] = state[name]
+        super().restore(state)
         self._sort()

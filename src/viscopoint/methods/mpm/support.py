@@ -23,19 +23,11 @@ class Support(NamedTuple):
     dx: Weights
     dy: Weights
     dz: Weights
+    per_radius: float  # 1/r of a ring, per cell; in space 0
 
 
-class Ring(NamedTuple):
+class Ring(Support):
     """The same around a ring: nodes of the half plane, one along y."""
-
-    first: int
-    wx: Weights
-    wy: Weights
-    wz: Weights
-    dx: Weights
-    dy: Weights
-    dz: Weights
-    per_radius: float  # 1/r, per cell
 
 
 @generic
@@ -57,7 +49,7 @@ def in_space(grid: Any, shift: Any, shapes: Any, place: tuple[float, float, floa
     i, wx, dx = stencil(shapes[0], place[0])
     j, wy, dy = stencil(shapes[1], place[1])
     k, wz, dz = stencil(shapes[2], place[2])
-    return Support((k * grid.ny + j) * grid.nx + i - shift, wx, wy, wz, dx, dy, dz)
+    return Support((k * grid.ny + j) * grid.nx + i - shift, wx, wy, wz, dx, dy, dz, 0.0)
 
 
 @implements(placed, HalfPlane)

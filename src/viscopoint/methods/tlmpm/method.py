@@ -18,7 +18,7 @@ from viscopoint.methods.tlmpm.stability import stable_length
 from viscopoint.methods.tlmpm.stress import strain_points, watch
 from viscopoint.methods.tlmpm.volumes import CellMean, Local
 from viscopoint.model.body import Body
-from viscopoint.model.method import FailureHints, Field, history_fields, von_mises_of
+from viscopoint.model.method import FailureHints, Field
 from viscopoint.model.nodes import Nodes, nodes_at_rest
 from viscopoint.model.points import MaterialState, VolumeState
 from viscopoint.model.viscosity import BulkViscosity, longest_step
@@ -58,13 +58,9 @@ class TotalLagrangianMethod(LagrangianBody):
     )
 
     def __init__(
-        self,
-        body: Body,
-        material: Material,
-        interactions: Sequence[Interaction],
-        choices: Discretisation,
+        self, body: Body, material: Material, interactions: Sequence[Interaction], choices: Discretisation,
         velocity: tuple[float, float, float] | Array,
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Set up points, grid and nodes; a velocity per row is that of the nodes that ``reference`` lists."""
         super().__init__(body, material, choices.time_step_factor)
         self.shape, self.volume, self.viscosity = choices.shape, choices.volume(), choices.viscosity
@@ -172,21 +168,8 @@ class TotalLagrangianMethod(LagrangianBody):
         return found
 
     def snapshot(self) -> dict[str, Field]:
-        points, material, shared = self.points, self.points.material, self.points.shared
-        fields = {
-            "position": Field(points.position, "mm"),
-            "displacement": Field(points.position - self.body.position, "mm"),
-            "velocity": Field(self.velocities(), "m/s"),
-            "stress": Field(material.stress, "MPa"),
-            "von_mises": Field(von_mises_of(material.stress), "MPa"),
-            "pressure": Field(-material.stress[:, :3].mean(axis=1), "MPa"),
-            "jacobian": Field(shared.jacobian, "1"),
-            "viscous_pressure": Field(shared.viscous_pressure, "MPa"),
-            "dissipated_energy": Field(material.dissipated, "mJ/mm^3"),
-            "lost": Field(np.zeros(len(points.volume), np.uint8), "1"),
-        }
-        fields |= history_fields(self.block.history_fields, material.history)
-        return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
+        lost = np.zeros(len(self.points.volume), np.uint8)
+        return self.fields_of_points(self.points.position, self.velocities(), lost)
 
 
 def partners(position: Array, cell: Array, normal: Array) -> Indices:

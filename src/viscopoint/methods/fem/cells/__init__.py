@@ -37,7 +37,7 @@ def mode_numbers(cell: Any) -> tuple[float, ...]:
 
 @generic
 def weight_numbers(cell: Any) -> tuple[float, ...]:
-    """Return as many zeros as ``point_numbers`` has numbers."""
+    """Return as many zeros as what ``at_point`` says of ∇N has numbers."""
     raise NotImplementedError
 
 
@@ -54,7 +54,7 @@ def modes_of(cell: Any, values: Corners) -> Any:
 
 @generic
 def flattened(field: Any) -> tuple[float, ...]:
-    """Return the numbers of a field's modes."""
+    """Return the numbers of a field's modes, or of what ``at_point`` says of ∇N."""
     raise NotImplementedError
 
 
@@ -139,14 +139,8 @@ def at_point(place: Any, flow: Any, dt: float, k: int) -> tuple[Columns, float, 
 
 
 @generic
-def point_numbers(weights: Any) -> tuple[float, ...]:
-    """Return the numbers of what ``at_point`` says of ∇N."""
-    raise NotImplementedError
-
-
-@generic
 def point_weights(cell: Any, numbers: tuple[float, ...]) -> Any:
-    """Return what has these numbers."""
+    """Return what ``at_point`` said of ∇N by its numbers."""
 
 
 @generic

@@ -310,7 +310,7 @@ def at_gauss_point(place: Modes, flow: Modes, dt: float, k: int) -> tuple[Column
     return local_gradient(motion, middle, dt / det_middle), det_middle, faces, det
 
 
-@implements(cells.point_numbers, Slopes)
+@implements(cells.flattened, Slopes)
 def of_faces(weights: Slopes) -> tuple[float, ...]:
     a, b, c = weights
     return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z)

@@ -32,7 +32,7 @@ ETA = np.array([-1.0, -1.0, 1.0, 1.0])
 ON_AXIS = 1e-12  # of the ring's mean radius: corners no farther from the axis stand on it
 
 
-OF_CORNERS, OF_MODES, OF_POINT = (0.0,) * 12, (0.0,) * 12, (0.0,) * 12
+FOUR_VECTORS = (0.0,) * 12  # a field at the corners, by its modes, or the weights of a point
 
 
 class Ring(NamedTuple):
@@ -48,28 +48,15 @@ class Modes(NamedTuple):
     both: Vec  # g, of ξη
 
 
-class Weights(NamedTuple):
+class Weights(Modes):
     """What ∫∂φ/∂r, ∫φ/r and ∫∂φ/∂z over a ring, or over the share of a point, take from each mode of φ: x, y, z."""
-
-    mean: Vec
-    xi: Vec
-    eta: Vec
-    both: Vec
-
-
-@implements(cells.corner_numbers, Ring)
-def of_corners(cell: Ring) -> Corners:
-    return OF_CORNERS
-
-
-@implements(cells.mode_numbers, Ring)
-def of_modes(cell: Ring) -> tuple[float, ...]:
-    return OF_MODES
 
 
 @implements(cells.weight_numbers, Ring)
-def of_point(cell: Ring) -> tuple[float, ...]:
-    return OF_POINT
+@implements(cells.mode_numbers, Ring)
+@implements(cells.corner_numbers, Ring)
+def four_vectors(cell: Ring) -> tuple[float, ...]:
+    return FOUR_VECTORS
 
 
 @implements(cells.corner_values, Ring)
@@ -91,6 +78,7 @@ def four_modes(cell: Ring, values: Corners) -> Modes:
     )  # fmt: skip
 
 
+@implements(cells.flattened, Weights)
 @implements(cells.flattened, Modes)
 def flat(field: Modes) -> tuple[float, ...]:
     a, b, c, d = field
@@ -316,18 +304,10 @@ def at_gauss_point(place: Modes, flow: Modes, dt: float, k: int) -> tuple[Column
     return cells.mean_gradient(flow, half, dt / mid_volume), mid_volume, weights, share
 
 
-@implements(cells.point_numbers, Weights)
-def of_weights(weights: Weights) -> tuple[float, ...]:
-    a, b, c, d = weights
-    return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z)
-
-
 @implements(cells.point_weights, Ring)
 def weights_of(cell: Ring, numbers: tuple[float, ...]) -> Weights:
-    x = numbers
-    return Weights(
-        Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11])
-    )  # fmt: skip
+    mean, xi, eta, both = cells.unflattened(cell, numbers)
+    return Weights(mean, xi, eta, both)
 
 
 @inline

@@ -1,33 +1,22 @@
 """Finite elements: one short file each, found by itself.
 
 An element is a NamedTuple of its choices, registered under the name that a case uses, and generic over its cell
-(``cells``); it says how many integration points it has, and takes the nodes' motion over a step to forces.
+(``cells``). It says how many integration points it has, and implements the operations declared below, which take the
+nodes' motion over a step to forces, for the block's element i; ``internal_force.strain_elements`` is their order.
 """
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 from viscopoint.discovery import Registry, import_all
-from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.kernels.jit import inline
-from viscopoint.kernels.workspace import load, load_tuple
-from viscopoint.materials.block import MaterialCode
-from viscopoint.methods.fem.cells import corner_numbers
-from viscopoint.methods.fem.mesh import Slabs
-from viscopoint.methods.fem.state import PLACE, REST_STEP, STEP_LENGTH, WHOLE, Elements
-from viscopoint.model.nodes import Nodes
-from viscopoint.model.viscosity import BulkViscosity
-
-
-class Limits(NamedTuple):
-    """How far the next step may go, and what happens to elements that allow no step."""
-
-    critical: Array  # [slab], least stable step of each, ms; 0 where an element is inside out
-    limiting: Indices  # [slab], the element whose it is
-    delete_below: float  # an element whose step without bulk viscosity is less is deleted, ms; -1: none is
+from viscopoint.kernels.jit import generic, inline
+from viscopoint.kernels.workspace import load, load_tuple, store
+from viscopoint.materials.block import AFTER, MaterialCode
+from viscopoint.methods.fem import cells
+from viscopoint.methods.fem.state import FLOW, PLACE, REFERENCE, VOLUME, Elements
 
 
 class Element(Protocol):
-    """What the method asks of an element."""
+    """What the method asks of an element beside the operations below."""
 
     @classmethod
     def controlled(cls, hourglass: Any) -> "Element":
@@ -44,43 +33,71 @@ class Element(Protocol):
         """Whether it remembers forces on hourglass modes."""
         ...
 
-    def internal_force(
-        self, nodes: Nodes, elements: Elements, cell: Any, slabs: Slabs, limits: Limits, material: MaterialCode,
-        viscosity: BulkViscosity, dt: float,
-    ) -> None:  # fmt: skip
-        """Take the nodes' motion over the step to stresses, add the elements' forces to the nodes, fill ``limits``."""
-        ...
-
 
 ELEMENTS: Registry[type[Element]] = Registry()
 
 
-@inline
-def finish(
-    nodes: Nodes, elements: Elements, e: int, cell: Any, limits: Limits, work: Any, i: int, least: float, where: int
-) -> tuple[float, int]:
-    """Delete element e if it allows no step, else add its forces; return the least step, and whose it is."""
-    shared = elements.shared
-    if not load(work, WHOLE, i) > 0.0:
-        shared.alive[e] = limits.delete_below < 0.0  # turned inside out
-        return (0.0, e) if shared.alive[e] and least > 0.0 else (least, where)
-    if load(work, REST_STEP, i) < limits.delete_below:
-        shared.alive[e] = 0
-        return least, where
-    add_forces(nodes.force, elements.corner[e], cell, work, i)
-    step = load(work, STEP_LENGTH, i)
-    return (step, e) if step < least else (least, where)
+@generic
+def load_own(element: Any, elements: Elements, e: int, work: Any, i: int) -> None:
+    """Take what element e alone remembers to the workspace."""
+
+
+@generic
+def dilate(element: Any, work: Any, i: int, cell: Any, dt: float) -> None:
+    """Find the element's volume, and what all of its points have in common of its motion."""
+
+
+@generic
+def strain(element: Any, work: Any, i: int, k: int, cell: Any, dt: float) -> None:
+    """Find the gradient of the step at point k, for the material."""
+
+
+@generic
+def gather(element: Any, work: Any, i: int, k: int, cell: Any) -> None:
+    """Add up what the stress at point k does."""
+
+
+@generic
+def stable_length(element: Any, work: Any, i: int, place: Any, gradient: Any) -> float:
+    """Return l such that no frequency of the element exceeds 2c/l [mm]."""
+    raise NotImplementedError
+
+
+@generic
+def modal_forces(
+    element: Any, work: Any, i: int, cell: Any, place: Any, gradient: Any, material: MaterialCode, sound: float,
+    length: float, dt: float,
+) -> Any:  # fmt: skip
+    """Return the forces on the modes, of stress, bulk viscosity and hourglass control."""
+
+
+@generic
+def store_own(element: Any, elements: Elements, e: int, work: Any, i: int) -> None:
+    """Give element e back what it alone remembers."""
 
 
 @inline
-def add_forces(force: Array, corner: Any, cell: Any, work: Any, i: int) -> None:
-    """Add the corners' forces to those of the nodes ``force[n, 3]``."""
-    forces = load_tuple(work, PLACE, i, corner_numbers(cell))
-    for k in range(len(forces) // 3):
-        n = corner[k]
-        force[n, 0] += forces[3 * k]
-        force[n, 1] += forces[3 * k + 1]
-        force[n, 2] += forces[3 * k + 2]
+def load_modes(work: Any, column: int, i: int, cell: Any) -> Any:
+    """Return the field whose modes stand in the workspace."""
+    return cells.unflattened(cell, load_tuple(work, column, i, cells.mode_numbers(cell)))
+
+
+@inline
+def find_motion(work: Any, i: int, cell: Any, dt: float) -> Any:
+    """Find the element's volume.
+
+    Returns:
+        Its place, motion and place at mid-step, by modes; ∂V/∂x and the volume at mid-step; ∂V/∂x now.
+    """
+    place = cells.modes_of(cell, load_tuple(work, PLACE, i, cells.corner_numbers(cell)))
+    flow = cells.modes_of(cell, load_tuple(work, FLOW, i, cells.corner_numbers(cell)))
+    middle = cells.moved(place, -0.5 * dt, flow)
+    half, gradient = cells.volume_gradient(middle), cells.volume_gradient(place)
+    now = cells.volume(place, gradient)
+    store(work, VOLUME, i, now)
+    store(work, AFTER, i, now / load(work, REFERENCE, i))
+    store(work, PLACE, i, cells.flattened(place))
+    return place, flow, middle, half, cells.volume(middle, half), gradient
 
 
 import_all(__name__)

@@ -6,14 +6,39 @@ those of axisymmetric rods (``mpm.geometry``), under the same names.
 """
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from viscopoint.discovery import Registry, import_all
-from viscopoint.model.body import Body
+from viscopoint.kernels.arrays import Array
+from viscopoint.model.body import Body, layered_surface
 
 Fill = Callable[[float, float, float], Body]
 EXACT_FILL = 'method.fill = "trimmed", which has the rod\'s volume, or a smaller method.spacing'
 FILLS: Registry[Fill] = Registry()
 MERIDIANS: Registry[Fill] = Registry()
+
+
+class Layer(NamedTuple):
+    """The points of a layer, one like the other."""
+
+    x: Array  # [p], mm
+    y: Array
+    volume: Array  # [p], mm^3
+    rim: Any  # which of them show where the surface is
+    start: Array  # how far from the axis these are, mm
+    near: float  # ``Surface.near``, mm
+
+
+def stacked(layer: Layer, layers: int, height: float, radius: float) -> Body:
+    """Return an upright rod, its foot at z = 0, of layers of a height [mm]."""
+    x, y, count = layer.x, layer.y, len(layer.x)
+    z = (np.arange(layers) + 0.5) * height
+    position = np.stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, count)], axis=1, dtype=np.float64)
+    index = np.arange(len(position)).reshape(layers, count)
+    surface = layered_surface(index, layer.rim, layer.start, radius, reach=0.5, near=layer.near)
+    return Body(position, np.tile(layer.volume, layers), surface)
 
 
 import_all(__name__)

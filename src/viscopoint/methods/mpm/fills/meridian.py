@@ -8,8 +8,8 @@ neither would hold.
 import numpy as np
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.methods.mpm.fills import MERIDIANS
-from viscopoint.model.body import Body, Surface
+from viscopoint.methods.mpm.fills import MERIDIANS, Layer, stacked
+from viscopoint.model.body import Body
 
 
 @MERIDIANS.register("lattice")
@@ -30,16 +30,6 @@ def half_rings(radius: float, length: float, spacing: float) -> Body:
 def boxes(radius: float, rings: int, thickness: float, layers: int, height: float) -> Body:
     """Return an upright rod of ``rings`` times ``layers`` boxes, its foot at z = 0; the case's radius is ``radius``."""
     r: Array = np.linspace(0.5, rings - 0.5, rings) * thickness
-    z: Array = np.linspace(0.5, layers - 0.5, layers) * height
-    position = np.stack([np.tile(r, layers), np.zeros(rings * layers), np.repeat(z, rings)], axis=1, dtype=np.float64)
-    index = np.arange(len(position)).reshape(layers, rings)
-    surface = Surface(
-        ring=index[:, :-3:-1],  # outermost first
-        start=r[:-3:-1],
-        radius=radius,
-        tail=np.column_stack([index[-1], index[-2]]),
-        foot=np.column_stack([index[0], index[1]]),
-        reach=0.5,
-        near=0.5 * thickness,
-    )
-    return Body(position, np.tile(2.0 * np.pi * r * thickness * height, layers), surface)
+    outermost, volume = slice(None, -3, -1), 2.0 * np.pi * r * thickness * height
+    layer = Layer(r, np.zeros(rings), volume, outermost, r[outermost], near=0.5 * thickness)
+    return stacked(layer, layers, height, radius)

@@ -13,8 +13,8 @@ a distance further round.
 
 import numpy as np
 
-from viscopoint.methods.mpm.fills import FILLS
-from viscopoint.model.body import Body, Surface
+from viscopoint.methods.mpm.fills import FILLS, Layer, stacked
+from viscopoint.model.body import Body
 
 INNERMOST = 3  # points of the first ring
 
@@ -34,17 +34,7 @@ def rod_rings(radius: float, length: float, spacing: float) -> Body:
     place = np.concatenate([np.arange(points) for points in count])
     angle = 2 * np.pi * (place + 0.5 * (of % 2)) / count[of]
     x, y = distance[of] * np.cos(angle), distance[of] * np.sin(angle)
-    z = (np.arange(layers) + 0.5) * height
-    position = np.stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, len(x))], axis=1, dtype=np.float64)
-    index = np.arange(len(position)).reshape(layers, len(x))
     rim = of >= rings - 2
-    surface = Surface(
-        ring=index[:, rim],
-        start=distance[of[rim]],
-        radius=radius,
-        tail=np.column_stack([index[-1], index[-2]]),
-        foot=np.column_stack([index[0], index[1]]),
-        reach=0.5,
-        near=0.5 * thickness,
-    )
-    return Body(position, np.full(len(position), np.pi * thickness**2 / INNERMOST * height), surface)
+    volume = np.full(len(x), np.pi * thickness**2 / INNERMOST * height)
+    layer = Layer(x, y, volume, rim, distance[of[rim]], near=0.5 * thickness)
+    return stacked(layer, layers, height, radius)

@@ -16,8 +16,8 @@ from itertools import pairwise
 import numpy as np
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.methods.mpm.fills import FILLS
-from viscopoint.model.body import Body, Surface
+from viscopoint.methods.mpm.fills import FILLS, Layer, stacked
+from viscopoint.model.body import Body
 
 
 @FILLS.register("trimmed")
@@ -33,9 +33,9 @@ def rod_trimmed(radius: float, length: float, spacing: float) -> Body:
     area, x, y = area[kept], x[kept], y[kept]
     layers = 2 * max(round(length / (2 * spacing)), 1)
     height = length / layers
-    z = (np.arange(layers) + 0.5) * height
-    position = np.stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, len(x))], axis=1, dtype=np.float64)
-    return Body(position, np.tile(area * height, layers), _surface(x, y, layers, radius, spacing))
+    start = np.hypot(x, y)
+    rim = start > radius - spacing
+    return stacked(Layer(x, y, area * height, rim, start[rim], near=0.5 * spacing), layers, height, radius)
 
 
 def _cut_squares(edges: Array, radius: float) -> tuple[Array, Array, Array]:
@@ -61,18 +61,3 @@ def _cut_squares(edges: Array, radius: float) -> tuple[Array, Array, Array]:
             moment[i] += inside @ (share * x)
     x = np.divide(moment, area, out=np.zeros_like(area), where=area > 0.0)
     return area.ravel(), x.ravel(), x.T.ravel()
-
-
-def _surface(x: Array, y: Array, layers: int, radius: float, spacing: float) -> Surface:
-    index = np.arange(len(x) * layers).reshape(layers, len(x))
-    start = np.hypot(x, y)
-    rim = start > radius - spacing
-    return Surface(
-        ring=index[:, rim],
-        start=start[rim],
-        radius=radius,
-        tail=np.column_stack([index[-1], index[-2]]),
-        foot=np.column_stack([index[0], index[1]]),
-        reach=0.5,
-        near=0.5 * spacing,
-    )

@@ -34,17 +34,12 @@ class Boxes(NamedTuple):
 
     half: float  # l, half the box's width, in cells; at the start, or of one point along one axis
 
+    overhang = 1
+    stretches = False
+
     @classmethod
     def fitted(cls, width: float) -> Self:
         return cls(0.5 * width)
-
-    @property
-    def overhang(self) -> int:
-        return 1
-
-    @property
-    def stretches(self) -> bool:
-        return False
 
     def walled(self, x: Planes, y: Planes, z: Planes) -> Self:
         return self
@@ -59,9 +54,7 @@ class Gimp(Boxes):
 class ContiguousGimp(Boxes):
     """Boxes that stretch."""
 
-    @property
-    def stretches(self) -> bool:
-        return True
+    stretches = True
 
 
 @implements(along, Gimp)

@@ -39,17 +39,12 @@ class Spline(NamedTuple):
     z0: int = NOWHERE
     z1: int = NOWHERE
 
+    overhang = 1
+    stretches = False
+
     @classmethod
     def fitted(cls, width: float) -> Self:
         return cls()
-
-    @property
-    def overhang(self) -> int:
-        return 1
-
-    @property
-    def stretches(self) -> bool:
-        return False
 
     def walled(self, x: Planes, y: Planes, z: Planes) -> Self:
         return type(self)(*x, *y, *z)

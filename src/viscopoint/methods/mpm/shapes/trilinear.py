@@ -13,17 +13,12 @@ from viscopoint.methods.mpm.shapes import SHAPES, Planes, Weights, along, stenci
 class Trilinear(NamedTuple):
     """N = 1 - |s| over one cell either side."""
 
+    overhang = 0
+    stretches = False
+
     @classmethod
     def fitted(cls, width: float) -> "Trilinear":
         return cls()
-
-    @property
-    def overhang(self) -> int:
-        return 0
-
-    @property
-    def stretches(self) -> bool:
-        return False
 
     def walled(self, x: Planes, y: Planes, z: Planes) -> "Trilinear":
         return self

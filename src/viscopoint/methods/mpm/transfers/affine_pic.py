@@ -43,13 +43,11 @@ LEAST = 1.0 / 6.0  # cells²: the mean of trilinear D over a cell
 class Affine(NamedTuple):
     """What points carry of the motion around them goes back to the nodes."""
 
+    affine = True
+
     @classmethod
     def chosen(cls, pic: float) -> Self:
         return cls()
-
-    @property
-    def affine(self) -> bool:
-        return True
 
     @property
     def dissipates(self) -> str:

@@ -23,17 +23,12 @@ class Flip(NamedTuple):
 
     pic: float  # share of PIC, 0 to 1
 
+    affine = False
+    dissipates = "the transfers dissipate (method.pic_fraction)"
+
     @classmethod
     def chosen(cls, pic: float) -> "Flip":
         return cls(pic)
-
-    @property
-    def affine(self) -> bool:
-        return False
-
-    @property
-    def dissipates(self) -> str:
-        return "the transfers dissipate (method.pic_fraction)"
 
 
 @implements(give, Flip)

@@ -41,16 +41,22 @@ class _Part(JITCodeLibrary):
         return 0
 
 
+IDLE = ("inline_closure_likes", "inline_inlinables", "inline_overloads", "nopython_rewrites")
+
+
 class Whole(Compiler):
     """Compiles what Python calls."""
 
     library: type[JITCodeLibrary] = _Library
 
     def define_pipelines(self) -> Any:
-        """Return Numba's usual passes."""
+        """Return Numba's usual passes, but for those that look for what no kernel has: closures, array expressions."""
         self.state.library = self.library(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
         self.state.library.enable_object_caching()
-        return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+        manager: Any = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        manager.passes = [(found, told) for found, told in manager.passes if found._name not in IDLE]
+        manager.finalize()
+        return [manager]
 
 
 class Part(Whole):

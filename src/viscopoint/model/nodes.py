@@ -17,7 +17,7 @@ class Nodes(NamedTuple):
     """Where nodes are and how they move.
 
     A node that stands on a wall may have handed the mass that moves along the wall's normal to a ``partner`` behind it
-    (see ``interactions.redistribution``): then ``normal_mass`` is not ``mass``.
+    (see ``interactions.on_nodes``): then ``normal_mass`` is not ``mass``.
     """
 
     position: Array  # [n, 3], mm

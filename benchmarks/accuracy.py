@@ -154,7 +154,7 @@ class Errors(NamedTuple):
     length: float
     outline: float  # area between, of the half section's
     noise: float  # of the pressure at the foot, MPa
-    ledger: float  # worst ever, of the initial energy
+    energy_error: float  # worst ever, of the initial energy
 
 
 def reference(name: str) -> tuple[dict[tuple[str, str], float], vp.Run]:
@@ -182,7 +182,7 @@ def errors(name: str, key: str, spacing: float) -> dict[str, Errors]:
         off = {it: 100 * (float(getattr(row, it)) / limits[moment, it] - 1) for it in (*RELATIVE, "length")}
         off["velocity"] = 100 * (row.velocity - limits[moment, "velocity"]) / speed
         area = 100 * apart(outline(finest, best), outline(run, mine), rod.radius * rod.length).area
-        found[moment] = Errors(**off, outline=area, noise=noise(run, mine), ledger=run.results.energy_error)
+        found[moment] = Errors(**off, outline=area, noise=noise(run, mine), energy_error=run.results.energy_error)
     return found
 
 

@@ -58,7 +58,7 @@ def at_usual(everything: Everything, moment: str) -> None:
     """Print all errors at one time."""
     head = (
         "case", "method", "foot radius", "greatest radius", "velocity", "kinetic", "impulse", "length", "outline",
-        "noise (MPa)", "ledger",
+        "noise (MPa)", "energy error",
     )  # fmt: skip
     rows = []
     for name, (key, variant) in itertools.product(CASES, VARIANTS.items()):
@@ -70,7 +70,7 @@ def at_usual(everything: Everything, moment: str) -> None:
         if moment == "20 us":
             shown[5] = "-"  # the fastest wave has not been at the tail
         rows.append([CASES[name], variant.label, *shown, f"{found.outline:.2f}", f"{found.noise:.1f}",
-                     f"{found.ledger:.2f}"])  # fmt: skip
+                     f"{found.energy_error:.2f}"])  # fmt: skip
     table(head, rows)
 
 

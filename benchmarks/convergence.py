@@ -106,7 +106,7 @@ def paper() -> None:
 
 def results(runs: dict[tuple[str, str, float], vp.Run]) -> None:
     """Print what is measured at 5, 10 and 20 us."""
-    head = "case,element,size,t (us),length,foot radius,greatest radius,velocity,kinetic,impulse,hourglass %,ledger %"
+    head = "case,element,size,t (us),length,foot radius,greatest radius,velocity,kinetic,impulse,hourglass %,error %"
     rows = []
     for (case, element, size), run in runs.items():
         if size > 0.5:
@@ -123,8 +123,8 @@ def results(runs: dict[tuple[str, str, float], vp.Run]) -> None:
 
 
 def rebounds(runs: dict[tuple[str, str, float], vp.Run]) -> None:
-    """Print how each rod leaves the wall, and the worst of the ledger, by 120 us."""
-    head = "case,element,size,separation (us),rebound (m/s),greatest shortening (mm),at (us),hourglass %,ledger worst %"
+    """Print how each rod leaves the wall, and the worst of the energy balance, by 120 us."""
+    head = "case,element,size,separation (us),rebound (m/s),greatest shortening (mm),at (us),hourglass %,worst error %"
     rows = []
     for (case, element, size), run in runs.items():
         history, end = run.history, run.rows[-1]
@@ -162,7 +162,7 @@ def limits(runs: dict[tuple[str, str, float], vp.Run]) -> None:
 
 def copper() -> None:
     """Print length and foot radius of the copper bar and their limits."""
-    head = "element,size,length,foot radius,steps,hourglass %,ledger worst %"
+    head = "element,size,length,foot radius,steps,hourglass %,worst energy error %"
     runs = {(el, h): finished("copper-fem", el, h, {}) for el in ELEMENTS for h in COPPER_SIZES[el]}
     rows = []
     for (element, size), run in runs.items():

@@ -45,7 +45,7 @@ def count(ends: Iterable[End]) -> list[str]:
 
 def show(ends: Mapping[Hostile, End]) -> None:
     """Print the tables."""
-    head = ("cases", FINISHED, *CAUSES.values(), FAILED, "worst ledger, %", "worst momentum", "longest, s")
+    head = ("cases", FINISHED, *CAUSES.values(), FAILED, "worst energy error, %", "worst momentum", "longest, s")
     table(("method", *head), [[kind, *count(end for it, end in ends.items() if it.kind == kind)] for kind in KINDS])
     table(
         ("speed, m/s", *head),

@@ -47,7 +47,7 @@ ACCOUNTS = ("remainder %", "momentum error")
 
 
 def outcome(name: str, method: str, precision: dict[str, str]) -> Outcome:
-    """Return how a run of the paper ended; each step has a line in its ledger."""
+    """Return how a run of the paper ended; each step has a line in its energy balance."""
     return Simulation(build(Case.load(name, precision, method=method))).run()
 
 

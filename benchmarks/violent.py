@@ -43,7 +43,7 @@ def show(speed: int) -> None:
     """Print what each method measures at each time, and how it ended."""
     head = (
         "method", "t (us)", "length", "foot radius", "greatest radius", "velocity", "kinetic (mJ)", "impulse (N ms)",
-        "least J", "least scaled Jacobian", "step / first", "lost", "ledger, worst %",
+        "least J", "least scaled Jacobian", "step / first", "lost", "energy error, worst %",
     )  # fmt: skip
     rows, ends = [], []
     for key in METHODS:

@@ -68,7 +68,7 @@ def test_hourglass_control_takes_little(runs: dict[tuple[str, str, float], vp.Ru
     assert runs[case, "selective", 0.38].rows[-1].hourglass == 0.0
 
 
-def test_ledger_remainder_is_the_step_s_and_the_law_s_has_its_own_account(runs: dict[tuple[str, str, float], vp.Run]):
+def test_energy_error_is_the_step_s_and_the_law_s_has_its_own_account(runs: dict[tuple[str, str, float], vp.Run]):
     # a third of the step leaves a third of an error of first order, a ninth of one of second
     case = vp.Case.load("paper-elastic", {"method.size": "0.76 mm", "method.safety": 0.95 / 3}, method="fem")
     shorter, usual = vp.run(case, figures=False), runs["paper-elastic", "one-point", 0.76]

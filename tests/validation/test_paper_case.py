@@ -15,7 +15,7 @@ def last(run: vp.Run) -> dict[str, float]:
     return run.summary["snapshots"][-1]
 
 
-def test_every_case_runs_to_the_end_with_a_closed_ledger(runs: dict[str, vp.Run]):
+def test_every_case_runs_to_the_end_with_a_closed_balance(runs: dict[str, vp.Run]):
     for run in runs.values():
         assert run.status == "complete"
         # a regression bound: 0.4 to 1.1 % was measured at this step; the order in the step is in test_conservation

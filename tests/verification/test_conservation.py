@@ -109,7 +109,7 @@ def test_impact_leaves_in_the_energy_balance_only_what_nodes_do_not_see(cell: fl
 
     Stopped wall nodes turn the points' velocities from -v to -v + 1.6 N v, so that N (3/4, 1/4) sees them at rest:
     the points lose (4/5) h/L of the body's energy. The nodes, of half a cell's mass, are stopped again and again with
-    3/8 of the speed before: 1/2 / (1 - 9/64) h/L = (32/55) h/L. The ledger misses the difference, 12/55 h/L.
+    3/8 of the speed before: 1/2 / (1 - 9/64) h/L = (32/55) h/L. The energy balance misses the difference, 12/55 h/L.
     """
     found = []
     for safety in (0.05, 0.025):

@@ -1,4 +1,4 @@
-"""No hostile case hangs, gives NaN quietly, or ends beyond its ledger's limit without saying so."""
+"""No hostile case hangs, gives NaN quietly, or ends beyond the limit of its energy error without saying so."""
 
 import os
 

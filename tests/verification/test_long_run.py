@@ -32,7 +32,7 @@ def memory() -> float:
 
 @pytest.mark.long
 @pytest.mark.parametrize("method", SIZES)
-def test_two_hundred_thousand_steps_need_no_more_memory_and_keep_the_ledger(method: str, tmp_path: Path):
+def test_two_hundred_thousand_steps_need_no_more_memory_and_keep_the_balance(method: str, tmp_path: Path):
     case = vp.Case.load("paper", ROD | SIZES[method], method=method)
     step = vp.run(case.with_({"time.end": "20 us"}), figures=False).columns["time_step"][-1].item()
     end = 1.1 * STEPS * step  # some steps are longer

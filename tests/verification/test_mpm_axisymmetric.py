@@ -1,4 +1,4 @@
-"""Rings of the material point method: weights at the axis, uniform fields, breathing, plane waves, ledgers."""
+"""Rings of the material point method: weights at the axis, uniform fields, breathing, plane waves, energy balances."""
 
 from typing import Any
 

@@ -115,7 +115,7 @@ def test_wall_impulse_is_the_change_of_momentum_and_nothing_moves_around() -> No
     assert_array_equal([now.momentum[:2], now.impulse[:2]], 0.0)
     assert_array_equal(method.nodes.velocity[method.reference[:, 0] == 0.0, 0], 0.0)
     assert_array_equal(method.nodes.velocity[:, 1], 0.0)
-    assert abs(conserved.missing(start, now)) < 0.005  # what is asked of the ledger
+    assert abs(conserved.missing(start, now)) < 0.005  # what is asked of the energy balance
 
 
 def test_energy_of_a_small_vibration_closes_to_second_order_in_the_time_step() -> None:

@@ -58,17 +58,17 @@ def console() -> Console:
 def print_summary(run: Run) -> None:
     """Print a table of the snapshots and how the run ended."""
     meshed = run.results.elements > 0
-    heads = ("length", "contact r", "greatest r", "velocity", "kinetic", "impulse", "hourglass", "ledger", "lost")
+    heads = ("length", "contact r", "greatest r", "velocity", "kinetic", "impulse", "hourglass", "energy error", "lost")
     units = ("mm", "mm", "mm", "m/s", "mJ", "N ms", "%", "%", "elements" if meshed else "points")
     table = Table("time\nus", *(f"{head}\n{unit}" for head, unit in zip(heads, units, strict=True)), box=None)
     for column in table.columns:
         column.justify = "right"
     for row in run.rows:
-        ledger = 100.0 * row.numerical / run.results.initial_energy
+        error = 100.0 * row.numerical / run.results.initial_energy
         table.add_row(
             f"{row.time * 1e3:g}", _known(row.length, ".3f"), _known(row.contact_radius, ".3f"),
             _known(row.greatest_radius, ".3f"), f"{row.velocity:.2f}", f"{row.kinetic:.1f}", f"{row.wall_impulse:.2f}",
-            _known(row.hourglass_share, ".1f"), f"{ledger:+.2f}", str(row.lost),
+            _known(row.hourglass_share, ".1f"), f"{error:+.2f}", str(row.lost),
         )  # fmt: skip
     screen = console()
     if run.case.title:
@@ -99,11 +99,11 @@ def _ending(run: Run) -> str:
     work = f"{parts} {kind}s, {results.steps} steps in {results.wall_time:.2f} s"
     excess = round(results.mass_error, 2) + 0.0  # not the negative zero
     mass = f"mass {results.mass:.4g} g ({excess:+.2f} %), " if math.isfinite(results.mass) else ""
-    ledger = f"{mass}ledger within {results.energy_error:.2f} % of the initial kinetic energy"
+    balance = f"{mass}energy error within {results.energy_error:.2f} % of the initial kinetic energy"
     mesh = ""
     if results.mesh:
         mesh = (
             f"mesh: {results.points} nodes, least scaled Jacobian {results.mesh.least_jacobian:.2f}, greatest aspect "
             f"{results.mesh.greatest_aspect:.2f}\n"
         )
-    return f"{mesh}{ended}: {work} ({pace:.1f} M {kind}-steps/s), {ledger}\n{folder}"
+    return f"{mesh}{ended}: {work} ({pace:.1f} M {kind}-steps/s), {balance}\n{folder}"

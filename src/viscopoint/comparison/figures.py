@@ -79,7 +79,7 @@ def histories(comparison: Comparison) -> Figure:
 
 
 def energies(comparison: Comparison) -> Figure:
-    """Draw each term of the ledger that any run has, in per cent of the initial kinetic energy."""
+    """Draw each term of the energy balance that any run has, in per cent of the initial kinetic energy."""
     runs = _styled(comparison)
     terms = [term for term in TERMS if any(bool((run.history[term[0]] != 0.0).any()) for _, _, run in runs)]
     rows = -(-len(terms) // 2)

@@ -1,4 +1,4 @@
-"""``energies.png``: the energy ledger over time, in per cent of the initial kinetic energy."""
+"""``energies.png``: the energy balance over time, in per cent of the initial kinetic energy."""
 
 from matplotlib.figure import Figure
 

@@ -31,7 +31,7 @@ def page(made: "Reproduction") -> Page:
         lead=LEAD,
         sections=(
             _overview(made), _figures(made), _view(made), _agreement(made), _deviations(made), _decoding(made),
-            _ledgers(made), _provenance(made),
+            _balances(made), _provenance(made),
         ),
     )  # fmt: skip
 
@@ -115,20 +115,20 @@ def _decoding(made: "Reproduction") -> Section:
     ))  # fmt: skip
 
 
-def _ledgers(made: "Reproduction") -> Section:
+def _balances(made: "Reproduction") -> Section:
     head = (
         "run", "kinetic (mJ)", "stored", "dissipated", "hypoelastic", "bulk viscosity", "hourglass", "at the wall",
         "remainder", "worst remainder (%)", "momentum error (N ms)", "mass error (%)",
     )  # fmt: skip
-    rows = tuple(_ledger(f"{group}/{name}", run) for group, runs in made.runs.items() for name, run in runs.items())
+    rows = tuple(_balance(f"{group}/{name}", run) for group, runs in made.runs.items() for name, run in runs.items())
     note = (
         "At 20 µs, in mJ. The remainder is what the initial kinetic energy exceeds the sum of the others by; the worst "
         "one of any step is given in per cent of that energy. The mass of the paper's lattice is 0.8 % above the rod's."
     )
-    return Section("The ledger of each run", (Table("Energy, momentum and mass", head, rows, note),))
+    return Section("The energy balance of each run", (Table("Energy, momentum and mass", head, rows, note),))
 
 
-def _ledger(name: str, run: Run) -> tuple[str, ...]:
+def _balance(name: str, run: Run) -> tuple[str, ...]:
     row = run.rows[-1]
     losses = (row.dissipated, row.hypoelastic, row.viscous, row.hourglass, row.contact, row.numerical)
     results = run.results

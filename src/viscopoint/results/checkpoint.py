@@ -37,7 +37,7 @@ Count = Annotated[int, Field(ge=0, lt=2**62)]
 
 
 class Progress(BaseModel):
-    """How far a run has come, beside the method's state; rows are those of the ledger."""
+    """How far a run has come, beside the method's state; rows are those of the history."""
 
     model_config = ConfigDict(strict=True, extra="forbid", ser_json_inf_nan="constants")
 
@@ -48,7 +48,7 @@ class Progress(BaseModel):
     time_step: NotNegative  # ms
     busy: NotNegative  # s
     errors: tuple[NotNegative, NotNegative, NotNegative]  # greatest so far, see ``Simulation``
-    start: list[Number]  # the account at the start, see ``ledger``
+    start: list[Number]  # the account at the start, see ``EnergyBalance``
     internal: NotNegative  # energy, the greatest so far, mJ
     before: list[float]  # lengths may be not a number
     rows: Annotated[list[list[float]], Field(min_length=1)]  # at the snapshots

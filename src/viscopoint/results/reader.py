@@ -128,7 +128,7 @@ class Reader:
 
     @functools.cached_property
     def columns(self) -> dict[str, NDArray[np.float64]]:
-        """The ledger, one entry per row of each column, by name."""
+        """The history, one entry per row of each column, by name."""
         try:
             columns = history_file.read(self._file(history_file.NAME, LARGEST_HISTORY))
         except (OSError, ValueError, csv.Error) as error:
@@ -143,7 +143,7 @@ class Reader:
 
     @functools.cached_property
     def history(self) -> "pandas.DataFrame":
-        """The ledger, one line per row, columns by name; ``history.attrs["units"]`` has their units."""
+        """The history, one line per row, columns by name; ``history.attrs["units"]`` has their units."""
         import pandas
 
         table = pandas.DataFrame(self.columns)

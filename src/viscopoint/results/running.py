@@ -47,7 +47,7 @@ Tell = Callable[[str], None]
 class Company(NamedTuple):
     """Who follows a run, and what else is wanted of it."""
 
-    watch: Watch | None  # called with the share done and the ledger's newest row
+    watch: Watch | None  # called with the share done and the newest history row
     tell: Tell  # called with words for what begins
     figures: bool
     threads: int | None  # wanted, or None if that is left to us
@@ -75,7 +75,7 @@ def run(
         checkpoint_every: "10 s" on the clock, "5 us simulated", or "never": from the last one ``resume`` goes on.
         threads: to compute on; results do not depend on it. By default one for a small model, else as many as Numba
             was told (``numba.set_num_threads``), or has.
-        watch: called with the share done and the ledger's newest row, after each row.
+        watch: called with the share done and the newest history row, after each row.
         tell: called with words for what begins, before anything that may take long.
 
     Returns:
@@ -142,7 +142,7 @@ def resume(
         figures: draw the figures too.
         checkpoint_every: as ``run`` takes it.
         threads: as ``run`` takes it.
-        watch: called with the share done and the ledger's newest row, after each row.
+        watch: called with the share done and the newest history row, after each row.
         tell: called with words for what begins, before anything that may take long.
 
     Raises:

@@ -56,12 +56,10 @@ class Summary(BaseModel):
     initial_energy: float = Field(default=1.0, gt=0.0)
     energy_error: float = 0.0  # greatest ever
     momentum_error: float = 0.0  # greatest ever
-    hourglass_share: float = 0.0  # greatest ever, see ``ledger.Row``
+    hourglass_share: float = 0.0  # greatest ever, see ``energy_balance.Row``
     warnings: list[str] = []  # what makes the numbers less than they seem
     units: dict[str, str] = UNITS
-    snapshots: list[dict[str, int | float | None]] = Field(
-        default_factory=list
-    )  # rows of the ledger; null: not a number
+    snapshots: list[dict[str, int | float | None]] = Field(default_factory=list)  # history rows; null: not a number
 
     @classmethod
     def of_start(cls, model: Model) -> "Summary":
@@ -108,7 +106,7 @@ class Summary(BaseModel):
         return self.status in ("complete", LOSSES)
 
     def rows(self) -> list[Row]:
-        """Return the ledger's rows at the snapshots; raise ``TypeError`` if the file's are others."""
+        """Return the history's rows at the snapshots; raise ``TypeError`` if the file's are others."""
         return [Row(**_with_nan(row)) for row in self.snapshots]
 
 

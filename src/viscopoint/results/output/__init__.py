@@ -1,6 +1,6 @@
 """What a run leaves behind: one short file per kind of output, found by itself.
 
-A writer is made with the run's folder and the body, begins, sees every row of the ledger and every snapshot, and is
+A writer is made with the run's folder and the body, begins, sees every history row and every snapshot, and is
 closed at the end. A checkpoint asks it for a mark, where it has come to; one made with a mark looks whether all up to
 there is in the folder, and as it begins forgets what an earlier process wrote after it.
 """
@@ -34,7 +34,7 @@ class Writer(Protocol):
         ...
 
     def row(self, row: Row) -> None:
-        """Take a row of the ledger."""
+        """Take a history row."""
         ...
 
     def snapshot(self, time: float, fields: Mapping[str, Field]) -> None:

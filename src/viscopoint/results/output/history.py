@@ -1,4 +1,4 @@
-"""``history.csv``: one line per row of the ledger, units in the header."""
+"""``history.csv``: one line per history row, units in the header."""
 
 import csv
 import zlib

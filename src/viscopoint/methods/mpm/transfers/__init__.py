@@ -9,7 +9,7 @@ of the accelerated nodes, and linear momentum goes over without loss. They diffe
 
 A wave of which points and nodes leave each other the share F per exchange, S⁺S v = F v (S interpolates to the points by
 N, S⁺ averages back), loses nothing by FLIP, 1 - F each step by PIC, and what no affine field around the points can hold
-by APIC and TPIC: it is the ledger's remainder. The motion that APIC and TPIC keep around points goes back to the nodes;
+by APIC and TPIC: part of the energy error. The motion that APIC and TPIC keep around points goes back to the nodes;
 it is kinetic energy of the points, m_p (v_p² + tr(C D C^T)) / 2 with C = B D⁻¹ for APIC, when they took it.
 """
 

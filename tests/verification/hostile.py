@@ -1,4 +1,4 @@
-"""Hostile but valid cases, and how each ends: within the limit of its energy error, or by a guard that names a cause."""
+"""Hostile but valid cases, and how each ends: within the limit of its energy error, or by a guard that says why."""
 
 import math
 import multiprocessing

@@ -14,7 +14,7 @@ from viscopoint.kernels.tensors import Sym
 from viscopoint.methods.mpm.fills import MERIDIANS
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.shapes import SHAPES
-from viscopoint.methods.mpm.support import around, gradient, sampled, spread_with_force
+from viscopoint.methods.mpm.stencil import gradient, interpolate, scatter_with_force, stencil_at
 from viscopoint.methods.mpm.transfers import give_with_force, take
 
 pytestmark = pytest.mark.usefixtures("one_thread")
@@ -33,7 +33,7 @@ def places(method: MaterialPointMethod) -> tuple[Array, Array]:
 
 def surrounded(method: MaterialPointMethod, p: int) -> Any:
     """Return the nodes around a point, a ``Ring``."""
-    return around(method.points, p, method.grid, method.shape)
+    return stencil_at(method.points, p, method.grid, method.shape)
 
 
 @each_shape
@@ -44,12 +44,12 @@ def test_rings_near_the_axis_keep_linear_fields_and_reach_no_node_beyond_it(shap
     for place in (1e-3, 0.2, 0.49, 0.5, 0.51, 0.9, 1.0, 1.3, 2.4):  # cells; boxes are half a cell wide
         method.points.position[0] = np.array([place, 0.0, 1.23]) * method.grid.cell
         at = surrounded(method, 0)
-        mean = sampled(field, method.grid, at)
+        mean = interpolate(field, method.grid, at)
         assert_allclose((mean.x, mean.y, mean.z), [3 * place, 0, 2 - 0.7 * place + 1.3 * 1.23], atol=ROUNDING)
         a = np.array(gradient(field, method.grid, at, 1.0)).reshape(3, 3)
         assert_allclose(a, [[3, 0, 0], [0, 3, 0], [-0.7, 0, 1.3]], atol=ROUNDING / place)
         method.grid.change[:] = 0.0
-        spread_with_force(method.grid, at, 0.0, 0.0, 0.0, 0.0, Sym(1.0, 2.0, 3.0, 0.0, 0.0, 0.5))
+        scatter_with_force(method.grid, at, 0.0, 0.0, 0.0, 0.0, Sym(1.0, 2.0, 3.0, 0.0, 0.0, 0.5))
         forces = method.grid.change
         assert_array_equal(forces[r < 0.0], 0.0)
         # the work of what pulls is stress times strain
@@ -66,7 +66,7 @@ def test_uniform_stress_pulls_at_no_ring_of_nodes_inside(shape: str) -> None:
     grid.change[:] = 0.0
     for p in range(len(points.mass)):
         pull = -points.volume[p] * grid.per_cell * Sym(1.0, 1.0, 2.0, 0.0, 0.0, 0.0)
-        spread_with_force(grid, surrounded(method, p), 0.0, 0.0, 0.0, points.mass[p], pull)
+        scatter_with_force(grid, surrounded(method, p), 0.0, 0.0, 0.0, points.mass[p], pull)
     r, z = places(method)
     inside = (r >= 0.0) & (r < cells - PAIR - 0.5) & (z > PAIR + 0.5) & (z < 2 * cells - PAIR - 0.5)
     mass = np.where(grid.momentum[:, 3] > 0.0, grid.momentum[:, 3], 1.0)

@@ -187,7 +187,7 @@ def test_sliding_block_feels_coulomb_friction(shape: str) -> None:
 
 
 def test_impact_leaves_in_the_energy_balance_only_what_nodes_do_not_see() -> None:
-    """As in ``test_conservation``: the wall takes (32/55) h/L, the balance misses (12/55) h/L, once it is in contact."""
+    """As in ``test_conservation``: the wall takes (32/55) h/L, the balance misses (12/55) h/L, once in contact."""
     found = []
     for safety in (0.05, 0.025):
         method = rod(velocity=(0.0, 0.0, -1.0), walls=WALL, lift=1e-5, safety=safety, contact="gated")

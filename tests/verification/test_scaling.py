@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numba
 import pytest
+from numba.np.ufunc import parallel
 
 from viscopoint.bench.timing import paces, started
 from viscopoint.bench.work import PAPER_LAW, USUAL, Variant, Work, case_of
@@ -45,6 +46,6 @@ def test_two_threads_take_less_than_three_quarters_of_the_time_of_one(variant: V
 def test_two_threads_beside_another_program_are_not_slower_than_one(variant: Variant):
     with busy_core():
         found = gain(variant)
-    if numba.threading_layer() != "tbb":
+    if parallel.threading_layer() != "tbb":
         pytest.skip("threads of OpenMP wait for each other")
     assert found > 1.0

@@ -45,14 +45,14 @@ BODY: Any = {**PART, "pipeline_class": pipeline.Body}
 WHOLE: Any = {**OPTIONS, "no_cfunc_wrapper": True, "pipeline_class": pipeline.Whole}
 
 
-def kernel(parts: int = PARTS, colours: int = 1) -> Callable[[F], Any]:
+def kernel(parts: int = PARTS, colours: int = 1) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function of one part of the work and let threads share the parts; keep the machine code on disk.
 
     The decorated function takes the part's number first, from 0 on; who calls it leaves that out and has all parts
     done: those of one colour at once, one colour after the other. It must not raise, nor make arrays.
     """
 
-    def declare(function: F) -> Any:
+    def declare(function: Callable[..., Any]) -> Any:
         body = numba.njit(nogil=True, **BODY)(function)
         if colours == 1:
 

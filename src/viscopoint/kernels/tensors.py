@@ -1,6 +1,6 @@
 """Small tensors as values: vectors, symmetric (stress, strain) and general (velocity gradient, rotation) 3 x 3.
 
-A ``Vec``, ``Lanes`` or ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike,
+A ``Vec``, ``Float4`` or ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike,
 where it lives in registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
 """
 
@@ -47,7 +47,7 @@ class Vec:
 
 
 @dataclass(frozen=True, slots=True)
-class Lanes:
+class Float4:
     """A row of the nodes' arrays ``[n, 4]``: a vector and what goes with it, in one vector register."""
 
     x: float
@@ -55,11 +55,11 @@ class Lanes:
     z: float
     w: float
 
-    def __add__(self, other: "Lanes") -> "Lanes":
-        return Lanes(self.x + other.x, self.y + other.y, self.z + other.z, self.w + other.w)
+    def __add__(self, other: "Float4") -> "Float4":
+        return Float4(self.x + other.x, self.y + other.y, self.z + other.z, self.w + other.w)
 
-    def __rmul__(self, factor: float) -> "Lanes":
-        return Lanes(factor * self.x, factor * self.y, factor * self.z, factor * self.w)
+    def __rmul__(self, factor: float) -> "Float4":
+        return Float4(factor * self.x, factor * self.y, factor * self.z, factor * self.w)
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,13 +120,8 @@ def _scale_vector(k: float, a: Vec) -> Vec:
     return Vec(k * a.x, k * a.y, k * a.z)
 
 
-def fused(a: Any, k: float, b: Any) -> Any:
-    """Return a + k b of vectors or rows; inside kernels each component is rounded once."""
-    return a + k * b
-
-
-def _fused_vectors(a: Vec, k: float, b: Vec) -> Vec:
-    return Vec(fma(k, b.x, a.x), fma(k, b.y, a.y), fma(k, b.z, a.z))
+def _fma_vectors(k: float, a: Vec, b: Vec) -> Vec:
+    return Vec(fma(k, a.x, b.x), fma(k, a.y, b.y), fma(k, a.z, b.z))
 
 
 @inline
@@ -141,20 +136,20 @@ def minor(a: float, b: float, c: float, d: float) -> float:
     return fma(a, d, -(b * c))
 
 
-def fetch(rows: Any, n: Any) -> Lanes:
+def fetch(rows: Any, n: Any) -> Float4:
     """Read row n of ``rows[n, 4]``."""
-    return Lanes(*rows[n])
+    return Float4(*rows[n])
 
 
-def put(rows: Any, n: Any, a: Lanes) -> None:
+def put(rows: Any, n: Any, a: Float4) -> None:
     """Store a row of ``rows[n, 4]``."""
     rows[n] = a.x, a.y, a.z, a.w
 
 
 @inline
-def no_lanes() -> Lanes:
+def zeros4() -> Float4:
     """Return nil."""
-    return Lanes(0.0, 0.0, 0.0, 0.0)
+    return Float4(0.0, 0.0, 0.0, 0.0)
 
 
 @inline
@@ -164,9 +159,9 @@ def product(a: Vec, b: Vec) -> Vec:
 
 
 @inline
-def fused_product(sums: Vec, a: Vec, b: Vec) -> Vec:
-    """Return the sums with the products of the components added."""
-    return Vec(fma(a.x, b.x, sums.x), fma(a.y, b.y, sums.y), fma(a.z, b.z, sums.z))
+def fma_product(a: Vec, b: Vec, c: Vec) -> Vec:
+    """Return the products of the components of a and b, plus those of c, each rounded once."""
+    return Vec(fma(a.x, b.x, c.x), fma(a.y, b.y, c.y), fma(a.z, b.z, c.z))
 
 
 @inline
@@ -208,7 +203,7 @@ def cross(a: Vec, b: Vec) -> Vec:
 @inline
 def applied(a: Columns, v: Vec) -> Vec:
     """Return a v."""
-    return fused(fused(v.x * a.x, v.y, a.y), v.z, a.z)
+    return fma(v.z, a.z, fma(v.y, a.y, v.x * a.x))
 
 
 @inline
@@ -428,16 +423,16 @@ def steepest(a: Sym) -> float:
 
 # --- inside kernels --------------------------------------------------------------------------------------------------
 
-_VEC, _LANES, _SYM = hold_as_struct(Vec), hold_as_lanes(Lanes), hold_as_struct(Sym)
+_VEC, _FLOAT4, _SYM = hold_as_struct(Vec), hold_as_lanes(Float4), hold_as_struct(Sym)
 inside_kernels(operator.add, _add_vectors, _VEC, _VEC)
 inside_kernels(operator.sub, _subtract_vectors, _VEC, _VEC)
 inside_kernels(operator.mul, _scale_vector, types.Number, _VEC)
-inside_kernels(fused, _fused_vectors, _VEC, types.Number, _VEC)
-inside_kernels(fused, accumulated(), _LANES, types.Number, _LANES)
-inside_kernels(operator.add, summed(), _LANES, _LANES)
-inside_kernels(operator.mul, scaled(), types.Number, _LANES)
-inside_kernels(fetch, fetched(Lanes), types.Array, types.Integer)
-inside_kernels(put, stored(), types.Array, types.Integer, _LANES)
+inside_kernels(fma, _fma_vectors, types.Number, _VEC, _VEC)
+inside_kernels(fma, accumulated(), types.Number, _FLOAT4, _FLOAT4)
+inside_kernels(operator.add, summed(), _FLOAT4, _FLOAT4)
+inside_kernels(operator.mul, scaled(), types.Number, _FLOAT4)
+inside_kernels(fetch, fetched(Float4), types.Array, types.Integer)
+inside_kernels(put, stored(), types.Array, types.Integer, _FLOAT4)
 inside_kernels(operator.add, _add, _SYM, _SYM)
 inside_kernels(operator.sub, _subtract, _SYM, _SYM)
 inside_kernels(operator.mul, _scale, types.Number, _SYM)

@@ -80,14 +80,17 @@ def hold_as_lanes(value: type) -> type:
 
 def inside_kernels(symbol: Any, implementation: Callable[..., Any], *kinds: type) -> None:
     """Let kernels use ``implementation`` where ``symbol``, an operator or function, meets arguments of these types."""
+    if len(kinds) == 2:
 
-    @overload(symbol, **ATTRIBUTES)
-    def two(a: Any, b: Any) -> Any:
-        return implementation if len(kinds) == 2 and isinstance(a, kinds[0]) and isinstance(b, kinds[1]) else None
+        @overload(symbol, **ATTRIBUTES)
+        def two(a: Any, b: Any) -> Any:
+            return implementation if all(map(isinstance, (a, b), kinds)) else None
 
-    @overload(symbol, **ATTRIBUTES)
-    def three(a: Any, b: Any, c: Any) -> Any:
-        return implementation if len(kinds) == 3 and all(map(isinstance, (a, b, c), kinds)) else None
+    else:
+
+        @overload(symbol, **ATTRIBUTES)
+        def three(a: Any, b: Any, c: Any) -> Any:
+            return implementation if all(map(isinstance, (a, b, c), kinds)) else None
 
 
 def summed() -> Any:
@@ -118,8 +121,8 @@ def scaled() -> Any:
     return lambda a, b: scale(a, b)  # pyright: ignore[reportCallIssue]
 
 
-def fma(a: float, b: float, c: float) -> float:
-    """Return a b + c, rounded once inside kernels.
+def fma(a: float, b: Any, c: Any) -> Any:
+    """Return a b + c of numbers, vectors b and c, or rows of nodes; inside kernels each number is rounded once.
 
     Where the compiler chose what to fuse, a kernel that had just been compiled gave other last bits than the same one
     loaded from the disk, which has been through other passes.
@@ -135,22 +138,24 @@ def _fma(context: Any, a: Any, b: Any, c: Any) -> Any:
     return types.float64(types.float64, types.float64, types.float64), lower
 
 
-@overload(fma, **ATTRIBUTES)
-def _fma_of(a: Any, b: Any, c: Any) -> Any:
-    return lambda a, b, c: _fma(a, b, c)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+def _fma_numbers(a: float, b: float, c: float) -> float:
+    return _fma(a, b, c)  # pyright: ignore[reportCallIssue]  (an intrinsic)
+
+
+inside_kernels(fma, _fma_numbers, types.Number, types.Number, types.Number)
 
 
 def accumulated() -> Any:
-    """Return a function of a sum, a weight and a value, both held as lanes, that is the sum + weight value."""
+    """Return a function of a weight, a value and a sum, both held as lanes, that is weight value + sum."""
 
     @intrinsic
-    def accumulate(context: Any, total: Any, weight: Any, vector: Any) -> Any:
+    def accumulate(context: Any, weight: Any, vector: Any, total: Any) -> Any:
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            number = context.cast(builder, values[1], signature.args[1], types.float64)
+            number = context.cast(builder, values[0], signature.args[0], types.float64)
             first = builder.insert_element(ir.Constant(LANES, ir.Undefined), number, _at(0))
-            return _fused(builder, _in_all_lanes(builder, first), values[2], values[0])
+            return _fused(builder, _in_all_lanes(builder, first), values[1], values[2])
 
-        return total(total, weight, vector), lower
+        return total(weight, vector, total), lower
 
     return lambda a, b, c: accumulate(a, b, c)  # pyright: ignore[reportCallIssue]
 

@@ -4,11 +4,11 @@ from typing import Any
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import inline
-from viscopoint.kernels.tensors import Lanes, Matrix, Sym
+from viscopoint.kernels.tensors import Float4, Matrix, Sym
 from viscopoint.kernels.values import replaced
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.shapes import Weights
-from viscopoint.methods.mpm.support import Support, pull_in, sampled_with_gradient, spread, spread_gradient
+from viscopoint.methods.mpm.stencil import Stencil, interpolate_with_gradient, pull_in, scatter, scatter_gradient
 
 
 @inline
@@ -35,9 +35,9 @@ def inertia(weights: Weights) -> float:
 
 
 @inline
-def arms(at: Any) -> Support:
+def arms(at: Any) -> Stencil:
     """Return the support with N (x_i - x_p) (in cells) in place of the slopes along each axis."""
-    return Support(at.first, at.wx, at.wy, at.wz, leverage(at.wx), leverage(at.wy), leverage(at.wz), 0.0)
+    return Stencil(at.first, at.wx, at.wy, at.wz, leverage(at.wx), leverage(at.wy), leverage(at.wz), 0.0)
 
 
 @inline
@@ -52,7 +52,7 @@ def leverage(weights: Weights) -> Weights:
 @inline
 def moment(field: Array, grid: Grid, at: Any) -> Matrix:
     """Return Σ N field ⊗ (x_i - x_p) (in cells) at a point."""
-    _, x, y, z = sampled_with_gradient(field, grid, arms(at))
+    _, x, y, z = interpolate_with_gradient(field, grid, arms(at))
     return Matrix(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z)
 
 
@@ -68,18 +68,18 @@ def affine_energy(at: Any, C: Matrix) -> float:
 
 
 @inline
-def spread_affine(grid: Grid, at: Any, m: float, v: tuple[float, float, float], C: Matrix) -> None:
+def scatter_affine(grid: Grid, at: Any, m: float, v: tuple[float, float, float], C: Matrix) -> None:
     """Add N m and N m (v + C (x_i - x_p)) to the nodes' momentum; C is per cell."""
-    spread(grid.momentum, grid, at, m * v[0], m * v[1], m * v[2], m)
-    x, y, z = Lanes(C.xx, C.yx, C.zx, 0.0), Lanes(C.xy, C.yy, C.zy, 0.0), Lanes(C.xz, C.yz, C.zz, 0.0)
-    spread_gradient(grid.momentum, grid, arms(at), m * x, m * y, m * z)
+    scatter(grid.momentum, grid, at, m * v[0], m * v[1], m * v[2], m)
+    x, y, z = Float4(C.xx, C.yx, C.zx, 0.0), Float4(C.xy, C.yy, C.zy, 0.0), Float4(C.xz, C.yz, C.zz, 0.0)
+    scatter_gradient(grid.momentum, grid, arms(at), m * x, m * y, m * z)
 
 
 @inline
-def spread_force(grid: Grid, at: Any, s: Sym) -> None:
+def scatter_force(grid: Grid, at: Any, s: Sym) -> None:
     """Add s · ∇N (per cell) to the nodes' force."""
-    x, y, z = Lanes(s.xx, s.xy, s.zx, 0.0), Lanes(s.xy, s.yy, s.yz, 0.0), Lanes(s.zx, s.yz, s.zz, 0.0)
-    spread_gradient(grid.change, grid, at, x, y, z)
+    x, y, z = Float4(s.xx, s.xy, s.zx, 0.0), Float4(s.xy, s.yy, s.yz, 0.0), Float4(s.zx, s.yz, s.zz, 0.0)
+    scatter_gradient(grid.change, grid, at, x, y, z)
     pull_in(at, grid.change, grid, s.yy)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import PARTS, kernel, serial_kernel
 from viscopoint.kernels.slabs import CHUNKS, chunk
-from viscopoint.kernels.tensors import fetch, no_lanes, put
+from viscopoint.kernels.tensors import fetch, put, zeros4
 from viscopoint.methods.mpm.geometry import GEOMETRIES, Box
 from viscopoint.methods.mpm.points import Points
 from viscopoint.model import memory
@@ -196,7 +196,7 @@ def sort_by_slab(part: int, grid: Grid) -> None:
 def zero(part: int, field: Array) -> None:
     """Set a field of the nodes to zero."""
     for n in chunk(part, PARTS, len(field)):
-        put(field, n, no_lanes())
+        put(field, n, zeros4())
 
 
 def accelerate(grid: Grid, dt: float) -> None:

@@ -12,7 +12,7 @@ from viscopoint.kernels.workspace import BLOCK, columns, load, load_matrix, stor
 from viscopoint.materials.block import AFTER, GRADIENT, JACOBIAN, SWEPT, MaterialCode, call_block
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.support import around, gradient
+from viscopoint.methods.mpm.stencil import gradient, stencil_at
 from viscopoint.methods.mpm.volumes import dilated
 from viscopoint.model.points import (
     OWN,
@@ -45,7 +45,7 @@ def update_points(
             count = min(BLOCK, start[slab + 1] - first)
             for i in range(count):
                 p: int = order[first + i]
-                v, at = read_vector(points.velocity[p]), around(points, p, grid, shape)
+                v, at = read_vector(points.velocity[p]), stencil_at(points, p, grid, shape)
                 moved = gradient(grid.velocity, grid, at, dt * grid.per_cell)
                 store(work, GRADIENT, i, moved)
                 store(work, SPEED, i, dot(v, v))

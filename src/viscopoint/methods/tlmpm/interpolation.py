@@ -4,8 +4,8 @@ from typing import Any
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import inline
-from viscopoint.kernels.tensors import Lanes, Matrix
-from viscopoint.methods.mpm.support import gradient, pull_in, sampled_with_gradient, spread_gradient, widened
+from viscopoint.kernels.tensors import Float4, Matrix
+from viscopoint.methods.mpm.stencil import gradient, interpolate_with_gradient, pull_in, scatter_gradient, widened
 from viscopoint.methods.tlmpm.lattice import Lattice
 from viscopoint.methods.tlmpm.points import Points
 
@@ -26,7 +26,7 @@ def per_length(a: Matrix, lattice: Any) -> Matrix:
 @inline
 def follow(points: Points, p: int, lattice: Lattice, velocity: Array, at: Any, dt: float) -> Matrix:
     """Move point p with the nodes, x += Δt Σ N v_i, and return its change of F, Δt Σ v_i ⊗ ∇0 N."""
-    mean, x, y, z = sampled_with_gradient(velocity, lattice, at)
+    mean, x, y, z = interpolate_with_gradient(velocity, lattice, at)
     points.position[p, 0] += dt * mean.x
     points.position[p, 1] += dt * mean.y
     points.position[p, 2] += dt * mean.z
@@ -42,8 +42,8 @@ def follow(points: Points, p: int, lattice: Lattice, velocity: Array, at: Any, d
 def push(force: Array, lattice: Lattice, at: Any, s: Matrix) -> None:
     """Add s · ∇0 N to the nodes' force."""
     x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
-    spread_gradient(
+    scatter_gradient(
         force, lattice, at,
-        x * Lanes(s.xx, s.yx, s.zx, 0.0), y * Lanes(s.xy, s.yy, s.zy, 0.0), z * Lanes(s.xz, s.yz, s.zz, 0.0),
+        x * Float4(s.xx, s.yx, s.zx, 0.0), y * Float4(s.xy, s.yy, s.zy, 0.0), z * Float4(s.xz, s.yz, s.zz, 0.0),
     )  # fmt: skip
     pull_in(at, force, lattice, y * s.yy)

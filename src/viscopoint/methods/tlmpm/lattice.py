@@ -13,7 +13,7 @@ from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import implements, inline, serial_kernel
 from viscopoint.kernels.workspace import BLOCK
 from viscopoint.methods.mpm.geometry import GEOMETRIES
-from viscopoint.methods.mpm.support import in_half_plane, in_space, placed
+from viscopoint.methods.mpm.stencil import in_half_plane, in_space, stencil_around
 from viscopoint.methods.tlmpm.points import Points
 
 MARGIN = 3  # nodes beyond the outermost points: what shape functions reach, and what only extends the body
@@ -49,8 +49,8 @@ class HalfLattice(Lattice):
 
 
 LATTICES: dict[str, type[Lattice]] = {"3d": Lattice, "axisymmetric": HalfLattice}
-implements(placed, Lattice)(in_space)
-implements(placed, HalfLattice)(in_half_plane)
+implements(stencil_around, Lattice)(in_space)
+implements(stencil_around, HalfLattice)(in_half_plane)
 
 
 def around_body(
@@ -107,10 +107,10 @@ def place(points: Points, p: int, lattice: Lattice) -> tuple[float, float, float
 
 
 @inline
-def around(points: Points, p: int, lattice: Lattice, shape: Any) -> Any:
+def stencil_at(points: Points, p: int, lattice: Lattice, shape: Any) -> Any:
     """Return the nodes on which point p acts."""
     radius = points.reference[p, 0] * lattice.per_x
-    return placed(lattice, np.uint64(0), (shape, shape, shape), place(points, p, lattice), radius)
+    return stencil_around(lattice, np.uint64(0), (shape, shape, shape), place(points, p, lattice), radius)
 
 
 @inline
@@ -133,7 +133,7 @@ def cell_row(points: Points, p: int, lattice: Lattice) -> np.uint64:
 def cover(points: Points, lattice: Lattice, shape: Any, weight: Array, filled: Array, touched: Array) -> None:
     """Sum each node's Σ N V_p and each cell's Σ V_p [mm^3]; mark the nodes that any point knows."""
     for p in range(len(points.volume)):
-        at = around(points, p, lattice, shape)
+        at = stencil_at(points, p, lattice, shape)
         filled[cell_row(points, p, lattice)] += points.volume[p]
         for c in range(len(at.wz)):
             for b in range(len(at.wy)):

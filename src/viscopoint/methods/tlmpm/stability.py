@@ -19,7 +19,7 @@ from viscopoint.kernels.slabs import COLOURS, coloured_slabs_of
 from viscopoint.kernels.tensors import Matrix
 from viscopoint.methods.tlmpm.extension import Extension, multiply
 from viscopoint.methods.tlmpm.interpolation import push, reference_gradient
-from viscopoint.methods.tlmpm.lattice import Lattice, around
+from viscopoint.methods.tlmpm.lattice import Lattice, stencil_at
 from viscopoint.methods.tlmpm.points import Points
 
 ROUNDS = 60
@@ -67,7 +67,7 @@ def stiffen(part: int, points: Points, lattice: Lattice, shape: Any, swelling: f
     for slab in coloured_slabs_of(start, len(start) - 1, part):
         for q in range(lattice.cells[start[slab]], lattice.cells[start[slab + 1]]):
             p: int = lattice.order[q]
-            at = around(points, p, lattice, shape)
+            at = stencil_at(points, p, lattice, shape)
             a = reference_gradient(lattice.velocity, lattice, at, 1.0)
             size = points.volume[p]
             mean, shear = size * swelling * (a.xx + a.yy + a.zz), size * shearing

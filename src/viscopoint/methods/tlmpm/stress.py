@@ -21,9 +21,9 @@ from viscopoint.kernels.tensors import (
 )
 from viscopoint.kernels.workspace import columns, load, load_matrix, load_sym, store, workspace
 from viscopoint.materials.block import AFTER, GRADIENT, STRESS, SWEPT, MaterialCode, call_block
-from viscopoint.methods.mpm.support import sampled
+from viscopoint.methods.mpm.stencil import interpolate
 from viscopoint.methods.tlmpm.interpolation import follow, push
-from viscopoint.methods.tlmpm.lattice import Lattice, around, cells_in_block
+from viscopoint.methods.tlmpm.lattice import Lattice, cells_in_block, stencil_at
 from viscopoint.methods.tlmpm.points import Points, deformation, keep_deformation
 from viscopoint.methods.tlmpm.volumes import DETERMINANT, MID_JACOBIAN, SHARED, VOLUME, share
 from viscopoint.model.points import (
@@ -64,7 +64,7 @@ def strain_points(
             count: int = cells[last] - first
             for i in range(count):
                 p: int = order[first + i]
-                at = around(points, p, lattice, shape)
+                at = stencil_at(points, p, lattice, shape)
                 store(work, STEP, i, follow(points, p, lattice, lattice.velocity, at, dt))
                 store(work, DEFORMATION, i, deformation(points, p))
                 store(work, VOLUME, i, points.volume[p])
@@ -82,7 +82,7 @@ def strain_points(
                 if load(work, DETERMINANT, i) > 0.0 and load(work, MID_JACOBIAN, i) > 0.0:
                     store_material(points.material, p, work, i, material.n_history)
                     store_volume(points.shared, p, work, i)
-                    push(lattice.force, lattice, around(points, p, lattice, shape), load_matrix(work, STEP, i))
+                    push(lattice.force, lattice, stencil_at(points, p, lattice, shape), load_matrix(work, STEP, i))
                     least = min(least, load(work, STEP_LENGTH, i))
                 elif load(work, VOLUME, i) > 0.0:
                     least = 0.0  # turned inside out: no step is short enough. What is only watched may
@@ -136,5 +136,5 @@ def respond(
 def watch(part: int, points: Points, lattice: Lattice, shape: Any, field: Array, found: Array) -> None:
     """Read Σ N field at each point into ``found[p, 3]``."""
     for p in chunk(part, PARTS, len(found)):
-        mean = sampled(field, lattice, around(points, p, lattice, shape))
+        mean = interpolate(field, lattice, stencil_at(points, p, lattice, shape))
         found[p, 0], found[p, 1], found[p, 2] = mean.x, mean.y, mean.z

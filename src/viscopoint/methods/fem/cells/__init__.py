@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import generic, inline
-from viscopoint.kernels.tensors import Columns, Vec, fused_product, product, total
+from viscopoint.kernels.tensors import Columns, Vec, fma_product, product, total
 
 Corners = tuple[float, ...]  # x, y and z at each corner
 
@@ -163,5 +163,5 @@ def selective_length(place: Any, gradient: Any, volume: float, sharpest: float) 
 @inline
 def dot_hourglass(a: Hourglass, b: Hourglass) -> float:
     """Return Σ a · b over the modes."""
-    linear = fused_product(product(a.eta_zeta, b.eta_zeta), a.zeta_xi, b.zeta_xi)
-    return total(fused_product(fused_product(linear, a.xi_eta, b.xi_eta), a.all, b.all))
+    linear = fma_product(a.zeta_xi, b.zeta_xi, product(a.eta_zeta, b.eta_zeta))
+    return total(fma_product(a.all, b.all, fma_product(a.xi_eta, b.xi_eta, linear)))

@@ -17,7 +17,8 @@ import numpy as np
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import implements, inline
-from viscopoint.kernels.tensors import Columns, Vec, applied, cross, dot, fused, fused_product, product, total
+from viscopoint.kernels.tensors import Columns, Vec, applied, cross, dot, fma_product, product, total
+from viscopoint.kernels.values import fma
 from viscopoint.methods.fem import cells
 from viscopoint.methods.fem.cells import Corners, Hourglass
 
@@ -163,13 +164,13 @@ def to_corners(on: Modes) -> Corners:
 @implements(cells.moved, Modes)
 def moved_on(place: Modes, step: float, velocity: Modes) -> Modes:
     return Modes(
-        fused(place.xi, step, velocity.xi),
-        fused(place.eta, step, velocity.eta),
-        fused(place.zeta, step, velocity.zeta),
-        fused(place.eta_zeta, step, velocity.eta_zeta),
-        fused(place.zeta_xi, step, velocity.zeta_xi),
-        fused(place.xi_eta, step, velocity.xi_eta),
-        fused(place.all, step, velocity.all),
+        fma(step, velocity.xi, place.xi),
+        fma(step, velocity.eta, place.eta),
+        fma(step, velocity.zeta, place.zeta),
+        fma(step, velocity.eta_zeta, place.eta_zeta),
+        fma(step, velocity.zeta_xi, place.zeta_xi),
+        fma(step, velocity.xi_eta, place.xi_eta),
+        fma(step, velocity.all, place.all),
     )
 
 
@@ -193,8 +194,8 @@ def exact_volume(place: Modes, gradient: Gradient) -> float:
     # a cubic in the modes: by Euler, a third of x·∂V/∂x
     a, b, c, d, e, f, _ = place
     w = gradient
-    linear = fused_product(fused_product(product(a, w.xi), b, w.eta), c, w.zeta)
-    return total(fused_product(fused_product(fused_product(linear, d, w.eta_zeta), e, w.zeta_xi), f, w.xi_eta)) / 3.0
+    linear = fma_product(c, w.zeta, fma_product(b, w.eta, product(a, w.xi)))
+    return total(fma_product(f, w.xi_eta, fma_product(e, w.zeta_xi, fma_product(d, w.eta_zeta, linear)))) / 3.0
 
 
 @implements(cells.mean_gradient, Modes)
@@ -213,16 +214,16 @@ def _six(
     a: float, x: Vec, b: float, y: Vec, c: float, z: Vec, d: float, u: Vec, e: float, v: Vec, f: float, w: Vec
 ) -> Vec:
     """Return the sum of six products."""
-    return fused(fused(fused(fused(fused(a * x, b, y), c, z), d, u), e, v), f, w)
+    return fma(f, w, fma(e, v, fma(d, u, fma(c, z, fma(b, y, a * x)))))
 
 
 @inline
 def slopes(field: Modes, xi: float, eta: float, zeta: float) -> Slopes:
     """Return the derivatives of a field along ξ, η and ζ at a place in the element."""
     return Slopes(
-        fused(fused(fused(field.xi, zeta, field.zeta_xi), eta, field.xi_eta), eta * zeta, field.all),
-        fused(fused(fused(field.eta, zeta, field.eta_zeta), xi, field.xi_eta), zeta * xi, field.all),
-        fused(fused(fused(field.zeta, eta, field.eta_zeta), xi, field.zeta_xi), xi * eta, field.all),
+        fma(eta * zeta, field.all, fma(eta, field.xi_eta, fma(zeta, field.zeta_xi, field.xi))),
+        fma(zeta * xi, field.all, fma(xi, field.xi_eta, fma(zeta, field.eta_zeta, field.eta))),
+        fma(xi * eta, field.all, fma(xi, field.zeta_xi, fma(eta, field.eta_zeta, field.zeta))),
     )
 
 
@@ -239,9 +240,9 @@ def local_gradient(field: Slopes, faces: Slopes, scale: float) -> Columns:
     """Return scale det ∂field/∂x at the place where field and ``areas`` were taken."""
     a, b, c = field
     return Columns(
-        scale * fused(fused(faces.xi.x * a, faces.eta.x, b), faces.zeta.x, c),
-        scale * fused(fused(faces.xi.y * a, faces.eta.y, b), faces.zeta.y, c),
-        scale * fused(fused(faces.xi.z * a, faces.eta.z, b), faces.zeta.z, c),
+        scale * fma(faces.zeta.x, c, fma(faces.eta.x, b, faces.xi.x * a)),
+        scale * fma(faces.zeta.y, c, fma(faces.eta.y, b, faces.xi.y * a)),
+        scale * fma(faces.zeta.z, c, fma(faces.eta.z, b, faces.xi.z * a)),
     )
 
 
@@ -263,9 +264,9 @@ def brick_length(place: Modes, gradient: Gradient, volume: float) -> float:
     solid of high bulk modulus.
     """
     w = gradient
-    linear = fused_product(fused_product(product(w.xi, w.xi), w.eta, w.eta), w.zeta, w.zeta)
+    linear = fma_product(w.zeta, w.zeta, fma_product(w.eta, w.eta, product(w.xi, w.xi)))
     d, e, f = w.eta_zeta, w.zeta_xi, w.xi_eta
-    return 2.0 * volume / math.sqrt(total(fused_product(fused_product(fused_product(linear, d, d), e, e), f, f)))
+    return 2.0 * volume / math.sqrt(total(fma_product(f, f, fma_product(e, e, fma_product(d, d, linear)))))
 
 
 @implements(cells.hourglass_of, Modes)
@@ -331,10 +332,10 @@ def gathered(on: Modes, weights: Slopes, stress: Columns, k: int) -> Modes:
         on.xi + a,
         on.eta + b,
         on.zeta + c,
-        fused(fused(on.eta_zeta, zeta, b), eta, c),
-        fused(fused(on.zeta_xi, zeta, a), xi, c),
-        fused(fused(on.xi_eta, eta, a), xi, b),
-        fused(fused(fused(on.all, eta * zeta, a), zeta * xi, b), xi * eta, c),
+        fma(eta, c, fma(zeta, b, on.eta_zeta)),
+        fma(xi, c, fma(zeta, a, on.zeta_xi)),
+        fma(xi, b, fma(eta, a, on.xi_eta)),
+        fma(xi * eta, c, fma(zeta * xi, b, fma(eta * zeta, a, on.all))),
     )
 
 

@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 from viscopoint.kernels.jit import implements, inline
 from viscopoint.kernels.kinematics import rotation_of, volumetric
 from viscopoint.kernels.rows import read_row, write_row
-from viscopoint.kernels.tensors import Columns, Sym, Vec, applied, fused, matrix, spherical, sym_columns
+from viscopoint.kernels.tensors import Columns, Sym, Vec, applied, matrix, spherical, sym_columns
+from viscopoint.kernels.values import fma
 from viscopoint.kernels.workspace import add, load, load_matrix, load_sym, load_tuple, store
 from viscopoint.materials.block import GRADIENT, STRESS, SWEPT, MaterialCode
 from viscopoint.methods.fem import cells, elements
@@ -105,13 +106,13 @@ def pulling(stress: Sym, h: Hourglass, place: Hourglass, volume: float) -> Colum
     d, e, f, g = place
     s, k = sym_columns(stress), -1.0 / volume
     return Columns(
-        fused(_four(k * d.x, h.eta_zeta, k * e.x, h.zeta_xi, k * f.x, h.xi_eta, k * g.x, h.all), -1.0, s.x),
-        fused(_four(k * d.y, h.eta_zeta, k * e.y, h.zeta_xi, k * f.y, h.xi_eta, k * g.y, h.all), -1.0, s.y),
-        fused(_four(k * d.z, h.eta_zeta, k * e.z, h.zeta_xi, k * f.z, h.xi_eta, k * g.z, h.all), -1.0, s.z),
+        fma(-1.0, s.x, _four(k * d.x, h.eta_zeta, k * e.x, h.zeta_xi, k * f.x, h.xi_eta, k * g.x, h.all)),
+        fma(-1.0, s.y, _four(k * d.y, h.eta_zeta, k * e.y, h.zeta_xi, k * f.y, h.xi_eta, k * g.y, h.all)),
+        fma(-1.0, s.z, _four(k * d.z, h.eta_zeta, k * e.z, h.zeta_xi, k * f.z, h.xi_eta, k * g.z, h.all)),
     )
 
 
 @inline
 def _four(a: float, x: Vec, b: float, y: Vec, c: float, z: Vec, d: float, w: Vec) -> Vec:
     """Return the sum of four products."""
-    return fused(fused(fused(a * x, b, y), c, z), d, w)
+    return fma(d, w, fma(c, z, fma(b, y, a * x)))

@@ -21,7 +21,7 @@ from viscopoint.kernels.tensors import dot, inner, read_vector
 from viscopoint.methods.mpm.contacts import CONTACTS, closed
 from viscopoint.methods.mpm.grid import Grid, zero
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.support import Support, around
+from viscopoint.methods.mpm.stencil import Stencil, stencil_at
 
 TOUCHING = 1e-9  # cells; a foot that stands on the wall does so whatever the last bit of its height
 REACH = 2  # cells; points further above the wall act on none of its nodes
@@ -58,11 +58,11 @@ def mark_arrived(points: Points, grid: Grid, shape: Any, wall: Plane, half: floa
                 abs(n.x), points.stretch[p, 0], abs(n.y), points.stretch[p, 1], abs(n.z), points.stretch[p, 2]
             )
             if dot(read_vector(points.position[p]) - point, n) - extent <= TOUCHING * grid.cell:
-                mark(arrived, grid, around(points, p, grid, shape))
+                mark(arrived, grid, stencil_at(points, p, grid, shape))
 
 
 @inline
-def mark(field: Array, grid: Grid, at: Support) -> None:
+def mark(field: Array, grid: Grid, at: Stencil) -> None:
     """Mark the nodes on which a point acts."""
     for c in range(len(at.wz)):
         for b in range(len(at.wy)):

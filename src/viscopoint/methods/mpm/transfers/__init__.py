@@ -17,10 +17,10 @@ from typing import Any, Protocol, Self
 
 from viscopoint.discovery import Registry, import_all
 from viscopoint.kernels.jit import generic, inline
-from viscopoint.kernels.tensors import Lanes, Sym
+from viscopoint.kernels.tensors import Float4, Sym
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.support import Support
+from viscopoint.methods.mpm.stencil import Stencil
 
 
 class Transfer(Protocol):
@@ -46,25 +46,25 @@ TRANSFERS: Registry[type[Transfer]] = Registry()
 
 
 @generic
-def give(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None:
+def give(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     """Add mass and momentum of point p to the nodes around it, for the velocity by which points are strained."""
     raise NotImplementedError
 
 
 @generic
-def give_with_force(transfer: Any, points: Points, p: int, grid: Grid, at: Support, pull: Sym) -> None:
+def give_with_force(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil, pull: Sym) -> None:
     """Add mass and momentum of point p, and the force ``pull`` · ∇N (per cell) [N], in one visit to each node."""
     raise NotImplementedError
 
 
 @generic
-def take(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None:
+def take(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     """Let point p have its new velocity, and note Σ N v_i, at which it will move."""
     raise NotImplementedError
 
 
 @inline
-def store_velocity(points: Points, p: int, velocity: Lanes, grid_velocity: Lanes) -> None:
+def store_velocity(points: Points, p: int, velocity: Float4, grid_velocity: Float4) -> None:
     """Store a point's velocity and the one with which it moves."""
     points.velocity[p, 0], points.velocity[p, 1], points.velocity[p, 2] = velocity.x, velocity.y, velocity.z
     moves = points.grid_velocity[p]

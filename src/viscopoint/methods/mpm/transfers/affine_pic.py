@@ -27,14 +27,14 @@ from viscopoint.methods.mpm.affine import (
     affine_energy,
     inertia,
     moment,
-    spread_affine,
-    spread_force,
+    scatter_affine,
+    scatter_force,
     store_matrix,
     stored_matrix,
 )
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.support import Support, gradient, sampled
+from viscopoint.methods.mpm.stencil import Stencil, gradient, interpolate
 from viscopoint.methods.mpm.transfers import TRANSFERS, give, give_with_force, store_velocity, take
 
 LEAST = 1.0 / 6.0  # cells²: the mean of trilinear D over a cell
@@ -68,49 +68,49 @@ class Tpic(Affine):
 
 
 @generic
-def slope(transfer: Any, points: Points, p: int, grid: Grid, at: Support, least: float) -> Matrix:
+def slope(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil, least: float) -> Matrix:
     """Return C_p per cell, with a D of at least ``least`` cells²."""
     raise NotImplementedError
 
 
 @implements(slope, Apic)
-def of_moment(transfer: Apic, points: Points, p: int, grid: Grid, at: Support, least: float) -> Matrix:
+def of_moment(transfer: Apic, points: Points, p: int, grid: Grid, at: Stencil, least: float) -> Matrix:
     b = stored_matrix(points.affine, p, grid.per_cell)
     x, y, z = 1.0 / max(inertia(at.wx), least), 1.0 / max(inertia(at.wy), least), 1.0 / max(inertia(at.wz), least)
     return Matrix(b.xx * x, b.xy * y, b.xz * z, b.yx * x, b.yy * y, b.yz * z, b.zx * x, b.zy * y, b.zz * z)
 
 
 @implements(slope, Tpic)
-def of_gradient(transfer: Tpic, points: Points, p: int, grid: Grid, at: Support, least: float) -> Matrix:
+def of_gradient(transfer: Tpic, points: Points, p: int, grid: Grid, at: Stencil, least: float) -> Matrix:
     return stored_matrix(points.affine, p, grid.cell)
 
 
 @inline
-def momentum(transfer: Any, points: Points, p: int, grid: Grid, at: Support) -> None:
+def momentum(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     """Map the momentum by which points are strained."""
     v = points.velocity[p]
-    spread_affine(grid, at, points.mass[p], (v[0], v[1], v[2]), slope(transfer, points, p, grid, at, LEAST))
+    scatter_affine(grid, at, points.mass[p], (v[0], v[1], v[2]), slope(transfer, points, p, grid, at, LEAST))
 
 
 @inline
-def momentum_and_force(transfer: Any, points: Points, p: int, grid: Grid, at: Support, pull: Sym) -> None:
+def momentum_and_force(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil, pull: Sym) -> None:
     """Map momentum and force."""
     v = points.velocity[p]
-    spread_affine(grid, at, points.mass[p], (v[0], v[1], v[2]), slope(transfer, points, p, grid, at, 0.0))
-    spread_force(grid, at, pull)
+    scatter_affine(grid, at, points.mass[p], (v[0], v[1], v[2]), slope(transfer, points, p, grid, at, 0.0))
+    scatter_force(grid, at, pull)
 
 
 @implements(take, Apic)
-def take_moment(transfer: Apic, points: Points, p: int, grid: Grid, at: Support) -> None:
-    moves = sampled(grid.velocity, grid, at)
+def take_moment(transfer: Apic, points: Points, p: int, grid: Grid, at: Stencil) -> None:
+    moves = interpolate(grid.velocity, grid, at)
     store_velocity(points, p, moves, moves)
     store_matrix(points.affine, p, grid.cell, moment(grid.velocity, grid, at))
     points.affine_energy[p] = affine_energy(at, slope(transfer, points, p, grid, at, 0.0))
 
 
 @implements(take, Tpic)
-def take_gradient(transfer: Tpic, points: Points, p: int, grid: Grid, at: Support) -> None:
-    moves = sampled(grid.velocity, grid, at)
+def take_gradient(transfer: Tpic, points: Points, p: int, grid: Grid, at: Stencil) -> None:
+    moves = interpolate(grid.velocity, grid, at)
     store_velocity(points, p, moves, moves)
     C = gradient(grid.velocity, grid, at, 1.0)
     store_matrix(points.affine, p, grid.per_cell, C)

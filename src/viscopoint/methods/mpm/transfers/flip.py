@@ -10,10 +10,10 @@ points know differently: -Σ m_p ε:Σ N Δv_i ⊗ (x_i - x_p), and as points mo
 from typing import NamedTuple
 
 from viscopoint.kernels.jit import implements
-from viscopoint.kernels.tensors import Lanes, Sym
+from viscopoint.kernels.tensors import Float4, Sym
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.support import Support, motion, spread, spread_with_force
+from viscopoint.methods.mpm.stencil import Stencil, interpolate_motion, scatter, scatter_with_force
 from viscopoint.methods.mpm.transfers import TRANSFERS, give, give_with_force, store_velocity, take
 
 
@@ -32,19 +32,19 @@ class Flip(NamedTuple):
 
 
 @implements(give, Flip)
-def momentum(transfer: Flip, points: Points, p: int, grid: Grid, at: Support) -> None:
+def momentum(transfer: Flip, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     m, v = points.mass[p], points.velocity[p]
-    spread(grid.momentum, grid, at, m * v[0], m * v[1], m * v[2], m)
+    scatter(grid.momentum, grid, at, m * v[0], m * v[1], m * v[2], m)
 
 
 @implements(give_with_force, Flip)
-def momentum_and_force(transfer: Flip, points: Points, p: int, grid: Grid, at: Support, pull: Sym) -> None:
+def momentum_and_force(transfer: Flip, points: Points, p: int, grid: Grid, at: Stencil, pull: Sym) -> None:
     m, v = points.mass[p], points.velocity[p]
-    spread_with_force(grid, at, m * v[0], m * v[1], m * v[2], m, pull)
+    scatter_with_force(grid, at, m * v[0], m * v[1], m * v[2], m, pull)
 
 
 @implements(take, Flip)
-def gained(transfer: Flip, points: Points, p: int, grid: Grid, at: Support) -> None:
-    moves, gains = motion(grid, at)
+def gained(transfer: Flip, points: Points, p: int, grid: Grid, at: Stencil) -> None:
+    moves, gains = interpolate_motion(grid, at)
     v, pic = points.velocity[p], transfer.pic
-    store_velocity(points, p, (1.0 - pic) * (Lanes(v[0], v[1], v[2], 0.0) + gains) + pic * moves, moves)
+    store_velocity(points, p, (1.0 - pic) * (Float4(v[0], v[1], v[2], 0.0) + gains) + pic * moves, moves)

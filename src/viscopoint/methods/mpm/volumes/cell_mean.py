@@ -19,7 +19,7 @@ from viscopoint.kernels.slabs import slabs_of
 from viscopoint.kernels.tensors import Sym, deviator, read, spherical, trace
 from viscopoint.methods.mpm.grid import Grid, zero
 from viscopoint.methods.mpm.points import Points
-from viscopoint.methods.mpm.support import around, cell_row, gradient
+from viscopoint.methods.mpm.stencil import cell_row, gradient, stencil_at
 from viscopoint.methods.mpm.volumes import VOLUMES, dilated, pull
 
 
@@ -56,7 +56,7 @@ def sum_dilatation(part: int, points: Points, grid: Grid, shape: Any, dt: float,
     for slab in slabs_of(start, len(start) - 2, part):
         for q in range(start[slab], start[slab + 1]):
             p: int = grid.order[q]
-            at = around(points, p, grid, shape)
+            at = stencil_at(points, p, grid, shape)
             moved = gradient(grid.velocity, grid, at, dt * grid.per_cell)
             ratio = volume_ratio(moved)
             volume = points.shared.jacobian[p] * points.volume[p]

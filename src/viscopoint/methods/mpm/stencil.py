@@ -6,14 +6,14 @@ import numpy as np
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import generic, implements, inline
-from viscopoint.kernels.tensors import Lanes, Matrix, Sym, fetch, fused, no_lanes, put
-from viscopoint.kernels.values import pick
+from viscopoint.kernels.tensors import Float4, Matrix, Sym, fetch, put, zeros4
+from viscopoint.kernels.values import fma, pick
 from viscopoint.methods.mpm.grid import Grid, HalfPlane
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.shapes import Weights, along, stencil
 
 
-class Support(NamedTuple):
+class Stencil(NamedTuple):
     """The nodes around a point: row of the first, weights and slopes (per cell) along each axis."""
 
     first: int
@@ -26,13 +26,13 @@ class Support(NamedTuple):
     per_radius: float  # 1/r of a ring, per cell; in space 0
 
 
-class Ring(Support):
+class Ring(Stencil):
     """The same around a ring: nodes of the half plane, one along y."""
 
 
 @generic
-def placed(grid: Any, shift: Any, shapes: Any, place: tuple[float, float, float], radius: float) -> Any:
-    """Return the nodes around a place, a ``Support`` or a ``Ring``.
+def stencil_around(grid: Any, shift: Any, shapes: Any, place: tuple[float, float, float], radius: float) -> Any:
+    """Return the nodes around a place, a ``Stencil`` or a ``Ring``.
 
     Args:
         grid: how many nodes there are along x and y, and, by its class, whether they are rings.
@@ -44,15 +44,15 @@ def placed(grid: Any, shift: Any, shapes: Any, place: tuple[float, float, float]
     raise NotImplementedError
 
 
-@implements(placed, Grid)
-def in_space(grid: Any, shift: Any, shapes: Any, place: tuple[float, float, float], radius: float) -> Support:
+@implements(stencil_around, Grid)
+def in_space(grid: Any, shift: Any, shapes: Any, place: tuple[float, float, float], radius: float) -> Stencil:
     i, wx, dx = stencil(shapes[0], place[0])
     j, wy, dy = stencil(shapes[1], place[1])
     k, wz, dz = stencil(shapes[2], place[2])
-    return Support((k * grid.ny + j) * grid.nx + i - shift, wx, wy, wz, dx, dy, dz, 0.0)
+    return Stencil((k * grid.ny + j) * grid.nx + i - shift, wx, wy, wz, dx, dy, dz, 0.0)
 
 
-@implements(placed, HalfPlane)
+@implements(stencil_around, HalfPlane)
 def in_half_plane(grid: Any, shift: Any, shapes: Any, place: tuple[float, float, float], radius: float) -> Ring:
     i, wx, dx = stencil(shapes[0], place[0])
     k, wz, dz = stencil(shapes[2], place[2])
@@ -70,13 +70,13 @@ def continued(weights: Weights) -> Weights:
 
 
 @inline
-def around(points: Points, p: int, grid: Grid, shape: Any) -> Any:
+def stencil_at(points: Points, p: int, grid: Grid, shape: Any) -> Any:
     """Return the nodes on which point p acts."""
     x = (points.position[p, 0] - grid.x0) * grid.per_cell
     y = (points.position[p, 1] - grid.y0) * grid.per_cell
     z = (points.position[p, 2] - grid.z0) * grid.per_cell
     shapes = along(shape, points, p, 0), along(shape, points, p, 1), along(shape, points, p, 2)
-    return placed(grid, grid.shift, shapes, (x, y, z), points.position[p, 0] * grid.per_cell)
+    return stencil_around(grid, grid.shift, shapes, (x, y, z), points.position[p, 0] * grid.per_cell)
 
 
 @inline
@@ -100,107 +100,107 @@ def node_row(grid: Any, at: Any, b: int, c: int) -> np.uint64:
 
 
 @inline
-def spread(field: Array, grid: Any, at: Any, x: float, y: float, z: float, m: float) -> None:
+def scatter(field: Array, grid: Any, at: Any, x: float, y: float, z: float, m: float) -> None:
     """Add N (x, y, z, m) to the nodes."""
-    value = Lanes(x, y, z, m)
+    value = Float4(x, y, z, m)
     for c in range(len(at.wz)):
         layer = pick(at.wz, c) * value
         for b in range(len(at.wy)):
             line, row = pick(at.wy, b) * layer, node_row(grid, at, b, c)
             for a in range(len(at.wx)):
                 node = row + np.uint64(a)
-                put(field, node, fused(fetch(field, node), pick(at.wx, a), line))
+                put(field, node, fma(pick(at.wx, a), line, fetch(field, node)))
 
 
 @inline
-def spread_with_force(grid: Grid, at: Any, x: float, y: float, z: float, m: float, s: Sym) -> None:
+def scatter_with_force(grid: Grid, at: Any, x: float, y: float, z: float, m: float, s: Sym) -> None:
     """Add N (x, y, z, m) to the nodes' momentum and s · ∇N (per cell) to their force, in one visit to each node."""
-    momentum, force, value = grid.momentum, grid.change, Lanes(x, y, z, m)
-    sx, sy, sz = Lanes(s.xx, s.xy, s.zx, 0.0), Lanes(s.xy, s.yy, s.yz, 0.0), Lanes(s.zx, s.yz, s.zz, 0.0)
+    momentum, force, value = grid.momentum, grid.change, Float4(x, y, z, m)
+    sx, sy, sz = Float4(s.xx, s.xy, s.zx, 0.0), Float4(s.xy, s.yy, s.yz, 0.0), Float4(s.zx, s.yz, s.zz, 0.0)
     for c in range(len(at.wz)):
         wz, dz = pick(at.wz, c), pick(at.dz, c)
         layer, along_x, along_y, along_z = wz * value, wz * sx, wz * sy, dz * sz
         for b in range(len(at.wy)):
             wy, dy, row = pick(at.wy, b), pick(at.dy, b), node_row(grid, at, b, c)
-            line, slope, rest = wy * layer, wy * along_x, fused(dy * along_y, wy, along_z)
+            line, slope, rest = wy * layer, wy * along_x, fma(wy, along_z, dy * along_y)
             for a in range(len(at.wx)):
                 node, wx, dx = row + np.uint64(a), pick(at.wx, a), pick(at.dx, a)
-                put(momentum, node, fused(fetch(momentum, node), wx, line))
-                put(force, node, fused(fused(fetch(force, node), dx, slope), wx, rest))
+                put(momentum, node, fma(wx, line, fetch(momentum, node)))
+                put(force, node, fma(wx, rest, fma(dx, slope, fetch(force, node))))
     pull_in(at, force, grid, s.yy)
 
 
 @inline
-def spread_gradient(field: Array, grid: Any, at: Any, x: Lanes, y: Lanes, z: Lanes) -> None:
+def scatter_gradient(field: Array, grid: Any, at: Any, x: Float4, y: Float4, z: Float4) -> None:
     """Add x ∂N/∂x + y ∂N/∂y + z ∂N/∂z (per cell) to the nodes."""
     for c in range(len(at.wz)):
         wz, dz = pick(at.wz, c), pick(at.dz, c)
         along_x, along_y, along_z = wz * x, wz * y, dz * z
         for b in range(len(at.wy)):
             wy, dy, row = pick(at.wy, b), pick(at.dy, b), node_row(grid, at, b, c)
-            slope, rest = wy * along_x, fused(dy * along_y, wy, along_z)
+            slope, rest = wy * along_x, fma(wy, along_z, dy * along_y)
             for a in range(len(at.wx)):
                 node, wx, dx = row + np.uint64(a), pick(at.wx, a), pick(at.dx, a)
-                put(field, node, fused(fused(fetch(field, node), dx, slope), wx, rest))
+                put(field, node, fma(wx, rest, fma(dx, slope, fetch(field, node))))
 
 
 @inline
-def sampled(field: Array, grid: Any, at: Any) -> Lanes:
+def interpolate(field: Array, grid: Any, at: Any) -> Float4:
     """Return Σ N field at a point."""
-    mean = no_lanes()
+    mean = zeros4()
     for c in range(len(at.wz)):
-        layer = no_lanes()
+        layer = zeros4()
         for b in range(len(at.wy)):
-            line, row = no_lanes(), node_row(grid, at, b, c)
+            line, row = zeros4(), node_row(grid, at, b, c)
             for a in range(len(at.wx)):
-                line = fused(line, pick(at.wx, a), fetch(field, row + np.uint64(a)))
-            layer = fused(layer, pick(at.wy, b), line)
-        mean = fused(mean, pick(at.wz, c), layer)
+                line = fma(pick(at.wx, a), fetch(field, row + np.uint64(a)), line)
+            layer = fma(pick(at.wy, b), line, layer)
+        mean = fma(pick(at.wz, c), layer, mean)
     return mean
 
 
 @inline
-def sampled_with_gradient(field: Array, grid: Any, at: Any) -> tuple[Lanes, Lanes, Lanes, Lanes]:
+def interpolate_with_gradient(field: Array, grid: Any, at: Any) -> tuple[Float4, Float4, Float4, Float4]:
     """Return Σ N field and Σ field ∂N/∂x, /∂y and /∂z (per cell) at a point."""
-    mean = along_x = along_y = along_z = no_lanes()
+    mean = along_x = along_y = along_z = zeros4()
     for c in range(len(at.wz)):
         wz, dz = pick(at.wz, c), pick(at.dz, c)
-        layer = layer_x = layer_y = no_lanes()
+        layer = layer_x = layer_y = zeros4()
         for b in range(len(at.wy)):
             wy, dy, row = pick(at.wy, b), pick(at.dy, b), node_row(grid, at, b, c)
-            line = line_x = no_lanes()
+            line = line_x = zeros4()
             for a in range(len(at.wx)):
                 value = fetch(field, row + np.uint64(a))
-                line, line_x = fused(line, pick(at.wx, a), value), fused(line_x, pick(at.dx, a), value)
-            layer, layer_x, layer_y = fused(layer, wy, line), fused(layer_x, wy, line_x), fused(layer_y, dy, line)
-        mean, along_x = fused(mean, wz, layer), fused(along_x, wz, layer_x)
-        along_y, along_z = fused(along_y, wz, layer_y), fused(along_z, dz, layer)
+                line, line_x = fma(pick(at.wx, a), value, line), fma(pick(at.dx, a), value, line_x)
+            layer, layer_x, layer_y = fma(wy, line, layer), fma(wy, line_x, layer_x), fma(dy, line, layer_y)
+        mean, along_x = fma(wz, layer, mean), fma(wz, layer_x, along_x)
+        along_y, along_z = fma(wz, layer_y, along_y), fma(dz, layer, along_z)
     return mean, along_x, along_y, along_z
 
 
 @inline
-def motion(grid: Grid, at: Any) -> tuple[Lanes, Lanes]:
+def interpolate_motion(grid: Grid, at: Any) -> tuple[Float4, Float4]:
     """Return Σ N v_i and Σ N Δv_i at a point, in one visit to each node."""
     velocity, change = grid.velocity, grid.change
-    moves = gains = no_lanes()
+    moves = gains = zeros4()
     for c in range(len(at.wz)):
-        layer = layer_gains = no_lanes()
+        layer = layer_gains = zeros4()
         for b in range(len(at.wy)):
-            line = line_gains = no_lanes()
+            line = line_gains = zeros4()
             wy, row = pick(at.wy, b), node_row(grid, at, b, c)
             for a in range(len(at.wx)):
                 node, wx = row + np.uint64(a), pick(at.wx, a)
-                line, line_gains = fused(line, wx, fetch(velocity, node)), fused(line_gains, wx, fetch(change, node))
-            layer, layer_gains = fused(layer, wy, line), fused(layer_gains, wy, line_gains)
+                line, line_gains = fma(wx, fetch(velocity, node), line), fma(wx, fetch(change, node), line_gains)
+            layer, layer_gains = fma(wy, line, layer), fma(wy, line_gains, layer_gains)
         wz = pick(at.wz, c)
-        moves, gains = fused(moves, wz, layer), fused(gains, wz, layer_gains)
+        moves, gains = fma(wz, layer, moves), fma(wz, layer_gains, gains)
     return moves, gains
 
 
 @inline
 def gradient(field: Array, grid: Any, at: Any, scale: float) -> Matrix:
     """Return ``scale`` Σ field ⊗ ∇N (per cell) at a point."""
-    mean, x, y, z = sampled_with_gradient(field, grid, at)
+    mean, x, y, z = interpolate_with_gradient(field, grid, at)
     return widened(at, mean, scale, Matrix(
         scale * x.x, scale * y.x, scale * z.x,
         scale * x.y, scale * y.y, scale * z.y,
@@ -209,18 +209,18 @@ def gradient(field: Array, grid: Any, at: Any, scale: float) -> Matrix:
 
 
 @generic
-def widened(at: Any, mean: Lanes, scale: float, a: Matrix) -> Matrix:
+def widened(at: Any, mean: Float4, scale: float, a: Matrix) -> Matrix:
     """Return the gradient ``a`` with what moving away from the axis adds, ``scale`` Σ field_r N / r (per cell)."""
     raise NotImplementedError
 
 
-@implements(widened, Support)
-def as_it_is(at: Support, mean: Lanes, scale: float, a: Matrix) -> Matrix:
+@implements(widened, Stencil)
+def as_it_is(at: Stencil, mean: Float4, scale: float, a: Matrix) -> Matrix:
     return a
 
 
 @implements(widened, Ring)
-def with_hoop(at: Ring, mean: Lanes, scale: float, a: Matrix) -> Matrix:
+def with_hoop(at: Ring, mean: Float4, scale: float, a: Matrix) -> Matrix:
     return Matrix(a.xx, a.xy, a.xz, a.yx, scale * at.per_radius * mean.x, a.yz, a.zx, a.zy, a.zz)
 
 
@@ -230,11 +230,11 @@ def pull_in(at: Any, force: Array, grid: Any, hoop: float) -> None:
     raise NotImplementedError
 
 
-@implements(pull_in, Support)
-def not_at_all(at: Support, force: Array, grid: Any, hoop: float) -> None:
+@implements(pull_in, Stencil)
+def not_at_all(at: Stencil, force: Array, grid: Any, hoop: float) -> None:
     pass
 
 
 @implements(pull_in, Ring)
 def by_hoop(at: Any, force: Array, grid: Any, hoop: float) -> None:
-    spread(force, grid, at, hoop * at.per_radius, 0.0, 0.0, 0.0)
+    scatter(force, grid, at, hoop * at.per_radius, 0.0, 0.0, 0.0)

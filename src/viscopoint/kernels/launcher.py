@@ -7,7 +7,6 @@ other, and a few instructions that pass its arguments on to the threads that Num
 
 import contextlib
 import ctypes
-import functools
 from importlib import metadata
 from typing import Any
 
@@ -23,18 +22,24 @@ SIZE = ir.IntType(64)
 WORKER = ir.FunctionType(ir.VoidType(), [BYTES.as_pointer(), SIZE.as_pointer(), SIZE.as_pointer(), BYTES])
 
 
-@functools.cache
-def start_threads() -> None:
-    """Start Numba's threads; before that, code that calls them can be neither made nor loaded.
+def _find_tbb() -> None:
+    """Load TBB where it is installed: Numba does not look where pip puts it.
 
-    Threads of TBB, where it is installed: those of OpenMP wait for each other at the end of each kernel, and beside a
-    busy program a step on two of them takes two to three times as long as on one.
+    Numba takes its threads then, if it has not started any yet. Those of OpenMP wait for each other at the end of each
+    kernel, and beside a busy program a step on two of them takes two to three times as long as on one.
     """
     with contextlib.suppress(metadata.PackageNotFoundError, OSError):
         for file in metadata.files("tbb") or ():
-            if file.name in TBB:  # Numba does not look where pip puts it
+            if file.name in TBB:
                 ctypes.CDLL(str(file.locate()), mode=ctypes.RTLD_GLOBAL)
+
+
+def start_threads() -> None:
+    """Start Numba's threads; before that, code that calls them can be neither made nor loaded."""
     parallel._launch_threads()
+
+
+_find_tbb()
 
 
 @intrinsic

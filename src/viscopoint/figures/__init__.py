@@ -1,6 +1,6 @@
 """The figures of a run: one short file each, found by itself.
 
-A figure is a function of a ``Reader`` that returns a Matplotlib figure, offered under the name of its PNG file.
+A figure is a function of a ``Reader`` that returns a Matplotlib figure, registered under the name of its PNG file.
 """
 
 import textwrap
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from viscopoint.case.description import description
-from viscopoint.discovery import import_all
+from viscopoint.discovery import Registry, import_all
 from viscopoint.results.folder import whole
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-FIGURES: dict[str, "Callable[[Reader], Figure]"] = {}
+FIGURES: "Registry[Callable[[Reader], Figure]]" = Registry()
 STYLE: Any = {
     "font.size": 9,
     "axes.spines.top": False,
@@ -42,16 +42,6 @@ def chosen(run: "Reader") -> list[int]:
     """Return the numbers of up to ``MOST`` snapshots, evenly spread, the first and the last among them."""
     last = len(run.times) - 1
     return sorted({round(last * share / (MOST - 1)) for share in range(MOST)})
-
-
-def offer(name: str) -> "Callable[[Callable[[Reader], Figure]], Callable[[Reader], Figure]]":
-    """Let every run draw the decorated figure as ``name``.png."""
-
-    def register(draw: "Callable[[Reader], Figure]") -> "Callable[[Reader], Figure]":
-        FIGURES[name] = draw
-        return draw
-
-    return register
 
 
 def draw_all(run: "Reader", folder: Path) -> list[Path]:

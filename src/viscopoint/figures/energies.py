@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from viscopoint.figures import offer
+from viscopoint.figures import FIGURES
 from viscopoint.results.reader import Reader
 
 TERMS = {
@@ -18,7 +18,7 @@ TERMS = {
 }
 
 
-@offer("energies")
+@FIGURES.register("energies")
 def energies(run: Reader) -> Figure:
     """Draw the terms that are not always zero, and below what the method itself lost or gained."""
     figure = Figure(figsize=(8.0, 6.0))

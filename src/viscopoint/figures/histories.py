@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from viscopoint.figures import offer
+from viscopoint.figures import FIGURES
 from viscopoint.kernels.arrays import Array
 from viscopoint.results.reader import Reader
 
@@ -25,7 +25,7 @@ def _leave_out_spikes(axis: Any, force: Array) -> None:
         axis.set_title(f"first touch: {highest:.3g} N", loc="right", fontsize="small")
 
 
-@offer("histories")
+@FIGURES.register("histories")
 def histories(run: Reader) -> Figure:
     """Draw four panels over one time axis."""
     figure = Figure(figsize=(8.0, 5.5))

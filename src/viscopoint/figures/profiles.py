@@ -4,11 +4,11 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from viscopoint.figures import COLOURS, chosen, offer
+from viscopoint.figures import COLOURS, FIGURES, chosen
 from viscopoint.results.reader import Reader
 
 
-@offer("profiles")
+@FIGURES.register("profiles")
 def profiles(run: Reader) -> Figure:
     """Draw the outline to scale, from foot to tail and back on the other side of the axis."""
     figure = Figure(figsize=(8.0, 4.2), layout="constrained")

@@ -7,7 +7,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from viscopoint.figures import COLOURS, chosen, discs, faces, halves, offer
+from viscopoint.figures import COLOURS, FIGURES, chosen, discs, faces, halves
 from viscopoint.kernels.arrays import Array
 from viscopoint.model.body import in_half_plane
 from viscopoint.results.reader import Reader, Snapshot
@@ -18,7 +18,7 @@ WIDTH, LEAST, HIGHEST = 1.25, 1.6, 3.4  # of one picture, and its bounds in heig
 LEFT, RIGHT, TOP, BELOW, GAP = 0.65, 1.4, 0.35, 0.5, 0.35  # room for words around and between the pictures, inches
 
 
-@offer("shapes")
+@FIGURES.register("shapes")
 def shapes(run: Reader) -> Figure:
     """Draw snapshots side by side."""
     numbers, colours = chosen(run), Normalize()

@@ -264,10 +264,11 @@ def _noting_failure(held: Held, model: Model) -> Iterator[None]:
 
 def _writers(folder: Path, model: Model, found: Checkpoint | None) -> list[Writer]:
     if found is None:
-        return [make(folder, model.body, None) for make in WRITERS]
+        return [make(folder, model.body, None) for make in WRITERS.values()]
     try:
         marks, snapshots = found.progress.marks, len(found.progress.rows)
-        return [make(folder, model.body, Mark(*mark, snapshots)) for make, mark in zip(WRITERS, marks, strict=True)]
+        made = zip(WRITERS.values(), marks, strict=True)
+        return [make(folder, model.body, Mark(*mark, snapshots)) for make, mark in made]
     except CORRUPT as error:
         if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno):
             raise

@@ -49,10 +49,10 @@ class PaperFigure(NamedTuple):
 FIGURES: dict[str, PaperFigure] = {}
 
 
-def offer(title: str, caption: str, needs: tuple[str, ...]) -> Callable[[Draw], Draw]:
+def register(title: str, caption: str, needs: tuple[str, ...]) -> Callable[[Draw], Draw]:
     """Let the decorated function draw a figure, under the name of its module."""
 
-    def register(draw: Draw) -> Draw:
+    def add(draw: Draw) -> Draw:
         def styled(runs: Mapping[str, Run]) -> Figure:
             with rc_context(STYLE):
                 return draw(runs)
@@ -61,7 +61,7 @@ def offer(title: str, caption: str, needs: tuple[str, ...]) -> Callable[[Draw], 
         FIGURES[name] = PaperFigure(name, title, caption, needs, styled)
         return draw
 
-    return register
+    return add
 
 
 def save(figure: Figure, file: Path) -> None:

@@ -11,7 +11,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
-from viscopoint.reproduction.figures import DPI, offer
+from viscopoint.reproduction.figures import DPI, register
 from viscopoint.reproduction.figures.page import LEFT, PAD, TOP, empty_scene, letter, panel, rulers
 from viscopoint.reproduction.figures.scene import View, upright
 from viscopoint.reproduction.figures.solids import Paint, draw_rod
@@ -24,7 +24,7 @@ RED = "#c1121f"
 LINE: Any = {"fill": False, "edgecolor": RED, "zorder": 3.0}
 
 
-@offer(
+@register(
     "FEM mesh and MPM points at the start",
     "The rod at t = 0 as finite elements (a) and as material points (b); beside each the foot, seen from below, and "
     "its rim close up; in red the circle of the rod's radius. The mesh follows the circumference, the lattice goes "

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from viscopoint.reproduction.figures import offer
+from viscopoint.reproduction.figures import register
 from viscopoint.reproduction.figures.growth import draw_growth
 from viscopoint.results.run import Run
 
 
-@offer(
+@register(
     "FEM, β = 650 ms⁻¹: height at 5, 10 and 20 µs",
     "The rod of finite elements at β = 650 1/ms, coloured by height; dashed, where it was at the start. The foot grows "
     "into a mushroom while the rest keeps its radius and falls on.",

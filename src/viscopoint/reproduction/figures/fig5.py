@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.reproduction.figures import offer
+from viscopoint.reproduction.figures import register
 from viscopoint.reproduction.figures.decays import TITLES, draw_row, names, shots, span
 from viscopoint.reproduction.figures.page import TWO_ROWS, lay_out, letter
 from viscopoint.reproduction.figures.solids import Paint, colours
@@ -27,7 +27,7 @@ def outwards(snapshot: Snapshot) -> Array:
     return np.hypot(now[:, 0], now[:, 1]) - np.hypot(start[:, 0], start[:, 1])
 
 
-@offer(
+@register(
     "Shapes at 20 µs for β = 6.5, 65 and 650 ms⁻¹",
     "The rod at 20 µs by finite elements (a) and by material points (b), coloured by radial displacement; dashed, "
     "where it was at the start. At β = 6.5 1/ms the rod bulges a little and its foot springs back already, at 65 1/ms "

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from viscopoint.reproduction.figures import offer
+from viscopoint.reproduction.figures import register
 from viscopoint.reproduction.figures.decays import TITLES, axial_velocity, beyond, draw_row, names, shots
 from viscopoint.reproduction.figures.page import ONE_ROW, lay_out, letter
 from viscopoint.reproduction.figures.solids import half_section
@@ -17,7 +17,7 @@ from viscopoint.results.run import Run
 MPM = names("mpm")
 
 
-@offer(
+@register(
     "MPM: axial velocity at 20 µs for β = 6.5, 65 and 650 ms⁻¹",
     "Axial velocity at 20 µs by material points, a quarter of the rod cut away: blue falls, pale stands still, red "
     "flies back. At β = 6.5 1/ms an elastic wave has run up almost half of the rod; at 650 1/ms all but the foot "

@@ -10,7 +10,7 @@ from matplotlib.colors import CenteredNorm
 from matplotlib.figure import Figure
 
 from viscopoint.kernels.arrays import Array
-from viscopoint.reproduction.figures import offer
+from viscopoint.reproduction.figures import register
 from viscopoint.reproduction.figures.decays import TITLES, axial_velocity, beyond, draw_row, names, shots, span
 from viscopoint.reproduction.figures.page import TWO_ROWS, lay_out, letter
 from viscopoint.reproduction.figures.solids import Paint, colours, half_section
@@ -25,7 +25,7 @@ def aside(snapshot: Snapshot) -> Array:
     return snapshot["displacement"][:, 0]
 
 
-@offer(
+@register(
     "Elastic control, G₀ = G∞ = 140 MPa, at 20 µs",
     "The same rods without relaxation at 20 µs, a quarter cut away: displacement along x by finite elements (a), axial "
     "velocity by material points (b). No mushroom; waves run up the rod; the three decay constants give the same.",

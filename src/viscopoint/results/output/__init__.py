@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from viscopoint.discovery import import_all
+from viscopoint.discovery import Registry, import_all
 from viscopoint.model.body import Body
 from viscopoint.model.energy_balance import Row
 from viscopoint.model.method import Field
@@ -51,16 +51,6 @@ class Writer(Protocol):
 
 
 Make = Callable[[Path, Body, Mark | None], Writer]
-WRITERS: list[Make] = []
-
-
-def offer(writer: Make) -> Make:
-    """Let every run use the decorated writer.
-
-    It is a class or a function of the run's folder, the body at the start, and the mark to go on from, if any.
-    """
-    WRITERS.append(writer)
-    return writer
-
+WRITERS: Registry[Make] = Registry()  # classes or functions of folder, body at the start, and mark to go on from
 
 import_all(__name__)

@@ -25,7 +25,7 @@ from viscopoint.model import memory
 from viscopoint.model.body import Body
 from viscopoint.model.method import Field
 from viscopoint.results.hdf5 import FILTERS, changed, check_pieces, opened, rows
-from viscopoint.results.output import Mark, offer
+from viscopoint.results.output import WRITERS, Mark
 
 NAME = "fields.vtkhdf"
 INITIAL = "initial_position"  # stored once, for all snapshots
@@ -36,7 +36,7 @@ CHUNK = 16_384  # greatest number of rows compressed together
 RESERVE = 2**20  # bytes beside the raw size of a snapshot: HDF5's own, history and summary
 
 
-@offer
+@WRITERS.register("fields")
 class Fields:
     """Appends snapshots; the file is closed in between."""
 

@@ -12,14 +12,14 @@ from viscopoint.model.body import Body
 from viscopoint.model.energy_balance import UNITS, Row
 from viscopoint.model.method import Field
 from viscopoint.results.folder import sync
-from viscopoint.results.output import Mark, offer
+from viscopoint.results.output import WRITERS, Mark
 
 NAME = "history.csv"
 BLOCK = 2**20  # bytes read at once
 HEADINGS = [f"{name} [{unit}]" for name, unit in UNITS.items()]
 
 
-@offer
+@WRITERS.register("history")
 class History:
     """Writes lines as they come, so that an interrupted run keeps them."""
 

@@ -21,7 +21,7 @@ def at_step(step: float) -> Any:
 
 
 def test_a_sound_row_passes():
-    check_row(ROW, START, Guards(), METHOD)
+    check_row(ROW, START, START.kinetic, Guards(), METHOD)
     check_step(0.0, 1.0, Guards(), at_step(0.5))
 
 
@@ -29,31 +29,31 @@ def test_a_sound_row_passes():
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_what_is_not_finite_is_named_with_time_and_cause(name: str, value: float):
     with pytest.raises(GuardError, match=rf"t = 12.3 us: {name} is not finite. Likely cause"):
-        check_row(ROW._replace(**{name: value}), START, Guards(), METHOD)
+        check_row(ROW._replace(**{name: value}), START, START.kinetic, Guards(), METHOD)
 
 
 @pytest.mark.parametrize("missing", [5.1, -5.1])
 def test_an_open_energy_balance_stops(missing: float):
     with pytest.raises(GuardError, match=r"5\.1 % of the initial kinetic energy \(guards.energy_error allows 5 %\)"):
-        check_row(ROW._replace(numerical=missing), START, Guards(), METHOD)
-    check_row(ROW._replace(numerical=missing), START, Guards(energy_error=0.06), METHOD)
+        check_row(ROW._replace(numerical=missing), START, START.kinetic, Guards(), METHOD)
+    check_row(ROW._replace(numerical=missing), START, START.kinetic, Guards(energy_error=0.06), METHOD)
 
 
 def test_losses_excuse_lengths_up_to_the_limit():
     lossy = ROW._replace(numerical=0.0, lost=3, lost_mass=0.009, length=float("nan"))
-    check_row(lossy, START, Guards(), METHOD)
+    check_row(lossy, START, START.kinetic, Guards(), METHOD)
     with pytest.raises(GuardError, match=r"3 points lost, 1.1 % of the mass \(guards.lost_share allows 1 %\)"):
-        check_row(lossy._replace(lost_mass=0.011), START, Guards(), METHOD)
+        check_row(lossy._replace(lost_mass=0.011), START, START.kinetic, Guards(), METHOD)
     with pytest.raises(GuardError, match=r"and 1\.1 % of the initial energy"):
-        check_row(lossy._replace(eroded=1.1), START, Guards(), METHOD)
+        check_row(lossy._replace(eroded=1.1), START, START.kinetic, Guards(), METHOD)
     with pytest.raises(GuardError, match="velocity is not finite"):
-        check_row(lossy._replace(velocity=float("nan")), START, Guards(), METHOD)
+        check_row(lossy._replace(velocity=float("nan")), START, START.kinetic, Guards(), METHOD)
 
 
 def test_hourglassing_beyond_the_limit_stops():
-    check_row(ROW._replace(hourglass_share=9.9), START, Guards(), METHOD)
+    check_row(ROW._replace(hourglass_share=9.9), START, START.kinetic, Guards(), METHOD)
     with pytest.raises(GuardError, match=r"took 10.1 % of the internal energy \(guards.hourglass_share allows 10 %\)"):
-        check_row(ROW._replace(hourglass_share=10.1), START, Guards(), METHOD)
+        check_row(ROW._replace(hourglass_share=10.1), START, START.kinetic, Guards(), METHOD)
 
 
 @pytest.mark.parametrize("step", [0.9e-3, 0.0, float("nan")])

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from watched import ALL, ELASTIC, PACKAGE, WATCH, fill, run_python, start, told
+from watched import ALL, BLOCKS, ELASTIC, PACKAGE, WATCH, fill, run_python, start, told
 
 from viscopoint.kernels import cache as kernel_cache
 from viscopoint.kernels import cache_folder as folders
@@ -62,6 +62,12 @@ NUMBERS = [
     ("methods/mpm/stress.py", "0.5 * m * dot(v, v)", "0.25 * m * dot(v, v)"),
     ("interactions/rows.py", "lacking / inverse", "lacking * inverse"),
     ("kernels/jit.py", '{"arcp"}', '{"contract"}'),  # a text that makes code
+    (
+        "materials/elastic.py",
+        "    bulk: float  # K, MPa\n    shear: float",
+        "    shear: float\n    bulk: float",
+    ),  # their order
+    ("bench/triad.py", "+ s * c", "- s * c"),
 ]
 
 
@@ -81,6 +87,39 @@ def test_an_edit_of_a_number_or_an_operator_is_another_state_of_the_numerics(tmp
         edit(copy / file, old, new)
         states.append(run_python(NUMERICS, copy, tmp_path))
         assert states[-1] not in states[:-1], (file, old)
+
+
+def test_code_compiled_after_an_edit_is_of_what_was_imported_and_nobody_else_loads_it(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+):
+    copy, cold = copied(tmp_path / "copy"), fill(tmp_path / "cache", tmp_path_factory)
+    law = copy / "materials" / "__init__.py"
+    edited_meanwhile = (
+        "from pathlib import Path; import viscopoint.materials.block\n"
+        f"law = Path({str(law)!r})\n"
+        "law.write_text(law.read_text().replace('return bulk * (', 'return 2.0 * bulk * ('))\n"
+    )
+    old, loaded, *compiled = run_python(edited_meanwhile + ELASTIC, copy, tmp_path / "cache")
+    assert (old, loaded, compiled) == (cold, "0", ALL)
+    new, loaded, *_ = run_python(ELASTIC, copy, tmp_path / "cache")
+    assert loaded == "0"
+    assert float(new) == 2.0 * float(cold)
+
+
+def test_materials_of_one_name_in_two_files_have_code_of_their_own(tmp_path: Path):
+    copy = copied(tmp_path / "copy")
+    law = (copy / "materials" / "elastic.py").read_text().replace("materials.volume_and_shear_energy", "twice")
+    law = law.replace('"elastic"', '"elastic-twice"') + (
+        "\n@materials.inline\ndef twice(material, jacobian, stress, history):\n"
+        "    return 2.0 * materials.volume_and_shear_energy(material, jacobian, stress, history)\n"
+    )
+    law = law.replace("implements(materials.stored_energy, Elastic)(twice)\n", "")
+    (copy / "materials" / "twice.py").write_text(law + "\nimplements(materials.stored_energy, Elastic)(twice)\n")
+    once, _, *_ = run_python(ELASTIC, copy, tmp_path / "cache")
+    other = ELASTIC.replace("materials.elastic", "materials.twice")
+    twice, loaded, *compiled = run_python(other, copy, tmp_path / "cache")
+    assert (loaded, compiled) == ("1", BLOCKS)  # the kernel
+    assert float(twice) == 2.0 * float(once)
 
 
 STEPS_OF = (

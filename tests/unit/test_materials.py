@@ -1,6 +1,7 @@
 """What a material is handed and hands back, whichever method carries it."""
 
 import itertools
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from viscopoint.case.case import Case
+from viscopoint.errors import InputError
 from viscopoint.kernels.arrays import AnyArray, Array
 from viscopoint.kernels.cache_folder import cache_folder
 from viscopoint.kernels.jit import implements
@@ -29,6 +31,7 @@ from viscopoint.materials import (
 from viscopoint.materials.block import MaterialBlock, deformed
 from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.plastic import Plastic, shear_over_step
+from viscopoint.methods import moving
 from viscopoint.methods.fem.method import FiniteElementMethod
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.tlmpm.method import TotalLagrangianMethod
@@ -255,3 +258,24 @@ def test_a_material_of_users_serves_as_a_part_of_ours_and_is_not_kept_on_the_dis
     names = {file.name for file in cache_folder().glob("*.code")}
     assert any("update_Plastic_Elastic" in name for name in names)
     assert not any("Soft" in name or "Witness" in name for name in names)
+
+
+@implements(shear_over_step, Witness)
+def witnessed_shear(base: Witness, factors: Any) -> float:
+    return base.shear
+
+
+def test_a_part_that_asks_for_the_deformation_gradient_is_handed_it() -> None:
+    alone, part = strained(WITNESS), strained(Plastic(WITNESS, 1e9, 0.0))  # which never yields
+    seen = alone[1][:, 9:18]
+    assert np.abs(seen - np.eye(3).ravel()).max() > 0.01
+    fields = MaterialBlock(Plastic(WITNESS, 1e9, 0.0)).history_fields
+    place = sum(field.components for field in itertools.takewhile(lambda field: field.name != "seen", fields))
+    assert_allclose(part[1][:, place : place + 9], seen, rtol=0, atol=100 * EPS)
+
+
+@pytest.mark.parametrize("name", ["stress", "own"])
+def test_a_history_field_of_a_name_that_is_taken_is_refused(name: str) -> None:
+    block: Any = SimpleNamespace(material=WITNESS, history_fields=(HistoryField("own"), HistoryField(name)))
+    with pytest.raises(InputError, match=f"history field '{name}': another field has this name"):
+        moving._check_names(block)

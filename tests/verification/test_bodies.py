@@ -6,9 +6,11 @@ import bricks
 import columns
 import lagrangian
 import numpy as np
+import pytest
 from numpy.testing import assert_array_equal
 
 import viscopoint as vp
+from viscopoint.errors import InputError
 from viscopoint.integrators.central_differences import CentralDifferences
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.materials.elastic import Elastic
@@ -50,14 +52,18 @@ def test_bodies_that_never_touch_have_the_bits_that_each_has_alone() -> None:
             assert_array_equal(values, other.state()[name], name)
 
 
-def test_a_simulation_of_two_bodies_keeps_a_balance_for_each() -> None:
+def two_rods() -> Model:
+    """Return the paper's rod twice, by two methods."""
     rod = vp.Case.load("paper", {"time.end": "4 us", "time.snapshots": ["2 us"]})
     cases = [
         rod.with_(method={"name": "tlmpm", "spacing": "0.76 mm"}),
         rod.with_(method={"name": "fem", "size": "1 mm"}),
     ]
-    methods = [build(case).method for case in cases]
-    simulation = Simulation(Model(cases[0], tuple(methods)))
+    return Model(cases[0], tuple(build(case).method for case in cases))
+
+
+def test_a_simulation_of_two_bodies_keeps_a_balance_for_each() -> None:
+    simulation = Simulation(two_rods())
     outcome = simulation.run()
     assert outcome.status == "complete"
     steps = simulation.balances[0].rows[-1].step
@@ -68,3 +74,22 @@ def test_a_simulation_of_two_bodies_keeps_a_balance_for_each() -> None:
         assert end.kinetic < start.kinetic
         assert abs(end.numerical) < 0.01 * start.kinetic
     assert not np.isclose(simulation.balances[0].rows[-1].stored, simulation.balances[1].rows[-1].stored, rtol=1e-6)
+
+
+def test_a_body_at_rest_beside_one_that_moves_stays_so_and_is_no_division_by_zero() -> None:
+    model = two_rods()
+    model.bodies[1].nodes.velocity[:] = 0.0  # pyright: ignore[reportAttributeAccessIssue]
+    simulation = Simulation(model)
+    assert simulation.run().status == "complete"
+    brought = simulation.balances[0].rows[0].kinetic
+    for balance in simulation.balances:
+        assert balance.brought == brought
+    last = simulation.balances[1].rows[-1]
+    # the wall's reaction to rounded stresses is all there is
+    assert max(last.kinetic, last.stored, abs(last.numerical)) < 1e-20 * brought
+
+
+def test_checkpoints_of_several_bodies_are_refused() -> None:
+    keeper: Any = object()
+    with pytest.raises(InputError, match="checkpoints: written of one body only; this model has 2"):
+        Simulation(two_rods(), keeper=keeper)

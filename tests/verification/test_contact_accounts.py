@@ -30,7 +30,7 @@ def set_off(method: LagrangianBody) -> Array:
     """Begin a step, up to where the wall has acted; return what it did (``rows.REACTIONS``)."""
     method.kick(DT)
     rows = method.constrain(empty_rows(0), 0, 0, DT)
-    solve(rows, 0, int(rows.size[0]), method.reactions)
+    solve(rows, 0, int(rows.size[0]), method.reactions, 1.0)
     take_velocity(method.nodes, rows, 0)
     (done,) = method.reactions
     return done
@@ -96,7 +96,7 @@ def test_a_node_that_carries_the_foot_s_mass_is_stopped_with_all_of_it() -> None
     done = method.reactions.copy()
     method.kick(dt)
     rows = method.constrain(empty_rows(0), 0, 0, dt)
-    solve(rows, 0, int(rows.size[0]), method.reactions)
+    solve(rows, 0, int(rows.size[0]), method.reactions, 1.0)
     take_velocity(nodes, rows, 0)
     now, taken = method.totals(), (method.reactions - done)[0]
     assert_allclose(now.momentum - before.momentum, taken[:3], atol=ROUNDING * before.mass * 30.0)

@@ -9,7 +9,7 @@ from conserved import missing
 from cylinders import RADIUS, ROOT, SOUND, Array, breathing, frequency, j1, rings
 from numpy.testing import assert_allclose, assert_array_equal
 
-from viscopoint.interactions.planes import rigid_wall, symmetry_plane
+from viscopoint.interactions.planes import RigidPlane, rigid_wall, symmetry_plane
 from viscopoint.kernels.tensors import Sym
 from viscopoint.methods.mpm.fills import MERIDIANS
 from viscopoint.methods.mpm.method import MaterialPointMethod
@@ -157,3 +157,15 @@ def test_wall_impulse_is_the_change_of_momentum() -> None:
     # kinetic energy is known half a step later than stress; at first touch nodes do not see 12/55 of a cell's share
     # (test_conservation)
     assert abs(missing(start, now)) < 0.5 * np.abs(np.diff(kinetic)).max() + 12 / 55 / 24
+
+
+def test_nodes_on_the_axis_stay_there_whatever_plane_they_meet() -> None:
+    """A plane that is a cone of half-opening 45 degrees about the axis."""
+    root = float(np.sqrt(0.5))
+    cone = RigidPlane((0.0, 0.0, 0.0), (root, 0.0, root))
+    method = rings(4, 8, boundaries=(cone,), motion=lambda place: np.broadcast_to((0.0, 0.0, -1.0), place.shape))
+    for _ in range(20):
+        method.advance(method.stable_step())
+        r, _ = places(method)
+        assert_array_equal(method.grid.velocity[r == 0.0, 0], 0.0)
+    assert method.totals().impulse[2] > 0.0

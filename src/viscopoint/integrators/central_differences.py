@@ -69,6 +69,10 @@ class CentralDifferences:
             part[:] = body.reactions
             body.reactions = part
 
+    def moves(self, body: Body) -> bool:
+        """Return whether a body's reactions are still told here, and not to another integrator that took it over."""
+        return any(body is one and body.reactions.base is self._reactions for one in self.bodies)
+
     def advance(self, dt: float) -> None:
         """Advance all bodies by one step ``dt`` [ms]."""
         bodies, first, rows = self.bodies, self._first, self._rows
@@ -78,7 +82,7 @@ class CentralDifferences:
         for number, body in enumerate(bodies):
             rows = body.constrain(rows, number, first[number], dt)  # what nodes must not do
             ends.append(int(rows.size[0]))
-        self._solve(rows, ends)  # λ >= 0, friction cone
+        self._solve(rows, ends, 1.0)  # λ >= 0, friction cone
         for number, body in enumerate(bodies):
             body.drift(rows, number, dt)  # x += v Δt
         for body in bodies:
@@ -89,13 +93,13 @@ class CentralDifferences:
             body.constrain_again(rows, number, dt)
         if rows.size[0]:
             relax_bounds(rows)
-        self._solve(rows, ends)
+        self._solve(rows, ends, -1.0)
         for number, body in enumerate(bodies):
             body.arrive(rows, number)
         self._rows = rows
 
-    def _solve(self, rows: Rows, ends: list[int]) -> None:
+    def _solve(self, rows: Rows, ends: list[int], half: float) -> None:
         """Solve the rows of each body, none of which shares a node with another's."""
         for begin, end in pairwise(ends):
             if begin < end:
-                solve(rows, begin, end, self._reactions)
+                solve(rows, begin, end, self._reactions, half)

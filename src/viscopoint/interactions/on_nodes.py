@@ -35,8 +35,11 @@ class PlanesOnNodes:
         """Find which nodes stand on planes that hold what does; a wall may meet any of them.
 
         Raises:
-            InputError: no node stands on a plane that holds what stands on it.
+            InputError: no node stands on a plane that holds what stands on it, or a plane moves and does not hold.
         """
+        for each in interactions:
+            if each.plane.speed and not each.plane.two_sided:
+                raise InputError(f"{type(each).__name__}: on nodes a plane that moves must be two-sided")
         self.interactions = tuple(interactions)
         self.slot_of = np.full(len(nodes.mass), -1)
         self.reactions = np.zeros((len(self.interactions), REACTIONS))  # of each, since the start

@@ -106,10 +106,11 @@ def load_slot(rows: Rows, s: int, before: Vec, velocity: Vec, inverse_mass: Vec)
 
 
 @serial_kernel
-def solve(rows: Rows, begin: int, end: int, reactions: Array) -> None:
+def solve(rows: Rows, begin: int, end: int, reactions: Array, half: float) -> None:
     """Find the impulses of the rows ``begin`` to ``end``, which share no node with others.
 
-    Their slots have the velocities then, and ``reactions[owner, REACTIONS]`` what the impulses were and did.
+    Their slots have the velocities then, and ``reactions[owner, REACTIONS]`` what the impulses were and did. ``half``:
+    1.0 in the first half of a step, before bodies move with the velocities, -1.0 in the second.
     """
     least, most = np.int64(len(rows.motion)), np.int64(-1)  # slots
     for r in range(begin, end):
@@ -129,7 +130,7 @@ def solve(rows: Rows, begin: int, end: int, reactions: Array) -> None:
         elif change <= CLOSE * first:
             break
     for r in range(begin, end):
-        _account(rows, r, reactions[rows.owner[r]])
+        _account(rows, r, reactions[rows.owner[r]], half)
 
 
 @serial_kernel
@@ -226,12 +227,13 @@ def _inverse_along(motion: Array, n: Vec) -> float:
 
 
 @called
-def _account(rows: Rows, r: int, reactions: Array) -> None:
+def _account(rows: Rows, r: int, reactions: Array, half: float) -> None:
     """Add what a row did to its nodes.
 
-    Works are taken with the mean of the velocities before and after all impulses of this part of a step, as the forces'
-    own are: what stays on a wall costs nothing. Of a node that is stopped, the normal work takes in what its force did
-    to it at once.
+    Works are taken with the mean v̄ of the velocities before and after all impulses of this part of a step. The body's
+    own force, of impulse F in it, works with the velocity v of the step's motion: its account lacks F · (v̄ - v), which
+    the normal work of the row takes in. In the first half v is the velocity after, in the second that before. A wall at
+    rest stops what it holds: there v = 0.
     """
     row = rows.row[r]
     normal, tangential = read_vector(row, NORMAL), read_vector(row, TANGENTIAL)
@@ -245,6 +247,11 @@ def _account(rows: Rows, r: int, reactions: Array) -> None:
         along = w * row[LAMBDA]
         if row[LAMBDA] != 0.0 and row[GIVEN] < 0.0:
             forced = dot(read_vector(motion, TRIAL) - read_vector(motion, BEFORE), normal)
-            along += forced / _inverse_along(motion, normal)
+            force = forced / _inverse_along(motion, normal)
+            if row[TWO_SIDED] == 0.0:
+                along += force
+            else:
+                slowed = dot(read_vector(motion, BEFORE) - read_vector(motion, VELOCITY), normal)
+                reactions[NORMAL_WORK] += 0.5 * half * force * slowed
         reactions[NORMAL_WORK] += along * dot(mean, normal)
         reactions[FRICTION_WORK] += w * dot(tangential, mean)

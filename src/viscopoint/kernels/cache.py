@@ -68,13 +68,13 @@ class Cache(NullCache):
         kinds = sig if isinstance(sig, tuple) else sig.args
         if self._outside or outside.takes_part(kinds):
             return None
-        key = hashlib.sha256("; ".join(map(_words, kinds)).encode()).hexdigest()[:16]
+        key = hashlib.sha256("; ".join(map(words, kinds)).encode()).hexdigest()[:16]
         return cache_folder() / f"{self._name}-{key}.code"
 
 
-def _words(kind: Any) -> str:
+def words(kind: Any) -> str:
     """Return the name of one of Numba's types; classes, which may share names, by their modules too."""
     subject = getattr(kind, "instance_class", None)
     own = f"{subject.__module__}.{subject.__qualname__}{getattr(subject, '_fields', '')}" if subject else str(kind)
     parts = getattr(kind, "types", ())
-    return f"{own}({', '.join(map(_words, parts))})" if isinstance(parts, tuple) else own
+    return f"{own}({', '.join(map(words, parts))})" if isinstance(parts, tuple) else own

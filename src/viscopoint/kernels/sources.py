@@ -2,6 +2,7 @@
 
 import functools
 import hashlib
+import secrets
 from collections.abc import Iterator
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
@@ -10,23 +11,38 @@ from types import CodeType
 # These only read run folders, or time what others compute: neither compiled code nor results depend on them.
 READERS = ("command_line", "figures", "comparison", "reproduction", "report", "bench")
 
-# Kernels are made of these. Only those of ``kernels`` put code together from texts; elsewhere a text is a message.
-NUMERICS = ("kernels", "materials", "model", "interactions", "methods")
+# Kernels are made of these. Only those of ``kernels`` put code together from texts; elsewhere a text of more than one
+# word is a message or a docstring.
+NUMERICS = ("kernels", "materials", "model", "interactions", "methods", "bench/triad.py")
+PACKAGE = Path(__file__).parents[1]
+
+
+def _written() -> dict[Path, int]:
+    """Return when each file of the package was written [ns]."""
+    return {source: source.stat().st_mtime_ns for source in sorted(PACKAGE.rglob("*.py"))}
+
+
+_IMPORTED = _written()  # as Python took them in
+
+
+def _edited() -> bytes:
+    """Return nothing, or what no other process has, if a file was edited since this process began: it runs the old."""
+    return b"" if _written() == _IMPORTED else secrets.token_bytes(8)
 
 
 @functools.cache
 def numerics() -> str:
     """Return a hash of what compiled code is made of: Python's code of the numerics, without lines and messages."""
-    package = Path(__file__).parents[1]
-    result = hashlib.sha256()
-    for folder in NUMERICS:
-        for source in sorted((package / folder).rglob("*.py")):
-            name = str(source.relative_to(package))
+    result = hashlib.sha256(_edited())
+    for part in NUMERICS:
+        place = PACKAGE / part
+        for source in [place] if place.is_file() else sorted(place.rglob("*.py")):
+            name = str(source.relative_to(PACKAGE))
             code = SourceFileLoader(name, str(source)).get_code(name)
             assert code is not None
             result.update(name.encode())
-            for part in _said(code, texts=folder == "kernels"):
-                result.update(part)
+            for said in _said(code, texts=part == "kernels"):
+                result.update(said)
     return result.hexdigest()[:16]
 
 
@@ -37,17 +53,18 @@ def _said(code: CodeType, texts: bool) -> Iterator[bytes]:
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
             yield from _said(constant, texts)
-        elif texts or not isinstance(constant, str):
+        elif not isinstance(constant, str) or texts or constant.isidentifier():
             yield repr(sorted(constant) if isinstance(constant, frozenset) else constant).encode()
+        else:
+            yield b"a text"
 
 
 @functools.cache
 def digest() -> str:
     """Return a hash of the sources that compute and write results."""
-    package = Path(__file__).parents[1]
-    result = hashlib.sha256()
-    for source in sorted(package.rglob("*.py")):
-        place = source.relative_to(package)
+    result = hashlib.sha256(_edited())
+    for source in sorted(PACKAGE.rglob("*.py")):
+        place = source.relative_to(PACKAGE)
         if place.parts[0] not in READERS:
             result.update(str(place).encode())
             result.update(source.read_bytes())

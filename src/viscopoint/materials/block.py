@@ -19,7 +19,7 @@ from numba.extending import intrinsic, overload
 
 from viscopoint.kernels import outside
 from viscopoint.kernels.arrays import Array, Real
-from viscopoint.kernels.cache import Cache
+from viscopoint.kernels.cache import Cache, words
 from viscopoint.kernels.jit import INLINED, OPTIONS, inline
 from viscopoint.kernels.kinematics import strain_and_rotation
 from viscopoint.kernels.pipeline import Whole
@@ -89,8 +89,7 @@ class MaterialBlock:
 
     def __init__(self, material: Material) -> None:
         self.material = material
-        needs_deformation = bool(getattr(material, "needs_deformation", False))
-        own = (DEFORMATION_GRADIENT,) if needs_deformation else ()
+        own = (DEFORMATION_GRADIENT,) if _needs_deformation(material) else ()
         self.history_fields: tuple[HistoryField, ...] = (*own, *material.history_fields)
         parameters, factors = _flat(material), _flat(step_factors(material, 1.0))
         numbers = np.array([1.0, *parameters, *factors])
@@ -145,6 +144,12 @@ def _call_it(address: Any, work: Any, count: Any, numbers: Any) -> Any:
     return lambda address, work, count, numbers: _call(address, work, count, numbers)  # pyright: ignore[reportCallIssue]
 
 
+def _needs_deformation(part: Any) -> bool:
+    """Return whether a material, or a part of it, asks for F."""
+    inner = part if isinstance(part, tuple) else ()
+    return bool(getattr(part, "needs_deformation", False)) or any(map(_needs_deformation, inner))
+
+
 # --- how a block is made ---
 
 
@@ -186,7 +191,7 @@ def _compiled(material: Any, factors: Any, n_own: int, with_deformation: bool) -
             store(work, STORED, i, stored)
 
     block = types.void(WORKSPACE, types.intp, NUMBERS)
-    shape = f"{material}, {factors}, {n_own}, {with_deformation}"  # classes of one name may have parts of many lengths
+    shape = f"{words(material)}, {words(factors)}, {n_own}, {with_deformation}"  # classes may share a name
     own_name = f"{_classes(material)}_{hashlib.sha256(shape.encode()).hexdigest()[:8]}"
     return _Blocks(
         _function(prepare, types.void(NUMBERS), material, own_name),
@@ -229,13 +234,9 @@ def deformed(before: Matrix, gradient: Matrix, jacobian: float) -> Matrix:
 def _function(code: Any, signature: Any, material: Any, name: str) -> CFunc:
     """Return a compiled function of C's calling convention, from the disk if it is there."""
     name = "".join(letter if letter.isalnum() else "_" for letter in name)
-    code.__qualname__ = code.__name__ = (
-        f"{code.__name__}_{name}"  # by which it is known in the process, and on the disk
-    )
-    made = CFunc(code, (signature.args, signature.return_type), {}, OPTIONS, Whole)
-    made._cache = Cache(  # pyright: ignore[reportAttributeAccessIssue]
-        code, outside.takes_part([material])
-    )
+    code.__qualname__ = code.__name__ = f"{code.__name__}_{name}"  # in the process, and on the disk
+    made: Any = CFunc(code, (signature.args, signature.return_type), {}, OPTIONS, Whole)
+    made._cache = Cache(code, outside.takes_part([material]))
     made.compile()
     return made
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from viscopoint.errors import InputError
 from viscopoint.integrators import central_differences
 from viscopoint.interactions.rows import FRICTION_WORK, NORMAL_WORK
 from viscopoint.kernels.arrays import AnyArray, Array
@@ -18,6 +19,11 @@ from viscopoint.model.method import Field, Totals, history_fields, von_mises_of
 from viscopoint.model.nodes import SUMS
 from viscopoint.model.points import MaterialState, VolumeState, sum_energies
 
+FIELDS = {  # what snapshots show of all bodies; histories are shown beside it
+    "position", "displacement", "velocity", "stress", "von_mises", "pressure", "jacobian", "scaled_jacobian",
+    "viscous_pressure", "dissipated_energy", "hourglass_energy", "lost", "deleted",
+}  # fmt: skip
+
 
 class MovingBody(central_differences.Body, ABC):
     """A body on its way through the steps of ``integrators.central_differences``."""
@@ -27,6 +33,8 @@ class MovingBody(central_differences.Body, ABC):
     def __init__(self, body: Body, material: Material, time_step_factor: float) -> None:
         self.body, self.material = body, material
         self.block = MaterialBlock(material)
+        _check_names(self.block)
+        self._alone: central_differences.CentralDifferences | None = None  # of ``advance``
         self.time_step_factor = time_step_factor
         self.sound = float(np.sqrt(material.p_wave_modulus / material.density))  # of the undeformed material, mm/ms
 
@@ -41,7 +49,7 @@ class MovingBody(central_differences.Body, ABC):
 
     def advance(self, dt: float) -> None:
         """Advance this body alone by one step [ms]."""
-        if not hasattr(self, "_alone"):
+        if self._alone is None or not self._alone.moves(self):
             self._alone = central_differences.CentralDifferences((self,))
         self._alone.advance(dt)
 
@@ -109,3 +117,12 @@ class MovingBody(central_differences.Body, ABC):
         }
         fields |= history_fields(self.block.history_fields, material.history)
         return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
+
+
+def _check_names(block: MaterialBlock) -> None:
+    """Raise ``InputError`` if a name of the material's history is that of something else."""
+    names = [field.name for field in block.history_fields]
+    for name in names:
+        if name in FIELDS or names.count(name) > 1:
+            kind = type(block.material).__name__
+            raise InputError(f"material {kind}: history field '{name}': another field has this name; take another")

@@ -86,8 +86,9 @@ measured = serial_kernel(measurements.measured)
 class EnergyBalance:
     """Keeps the account of a body: what there was at the start, the row before, the rows at snapshots, and errors."""
 
-    def __init__(self, method: Method) -> None:
-        self.method, surface = method, method.body.surface
+    def __init__(self, method: Method, brought: float) -> None:
+        """Measure a body at the start; ``brought`` is the energy of all bodies then [mJ], of which shares are taken."""
+        self.method, self.brought, surface = method, brought, method.body.surface
         away = np.linalg.norm(method.body.position[surface.foot[:, 0], :2], axis=1)
         self.surface = Surface(
             ring=np.ascontiguousarray(surface.ring), start=np.ascontiguousarray(surface.start),
@@ -97,7 +98,7 @@ class EnergyBalance:
         )  # fmt: skip
         self.variance, self._room = float(np.var(surface.start)), measurements.room(surface)
         self.start: Totals = method.totals()
-        self.internal = LEAST_INTERNAL * self.start.kinetic  # the greatest so far, mJ
+        self.internal = LEAST_INTERNAL * brought  # the greatest so far, mJ
         self.before: Row = self.row(0.0, 0, 0.0)
         self.rows: list[Row] = []  # at the snapshots
         self.errors = (0.0, 0.0, 0.0)  # of energy and momentum, and the share of hourglass energy: the greatest so far
@@ -109,14 +110,9 @@ class EnergyBalance:
     def record(self, time: float, step: int, time_step: float) -> Row:
         """Measure the body now, and note how far the account is off."""
         row = self.row(time, step, time_step)
-        now = (abs(row.numerical) / self.initial, row.momentum_error, row.hourglass_share)
+        now = (abs(row.numerical) / self.brought, row.momentum_error, row.hourglass_share)
         self.errors = tuple(map(max, self.errors, now))
         return row
-
-    @property
-    def initial(self) -> float:
-        """The energy at the start [mJ]."""
-        return self.start.kinetic + self.start.stored
 
     def row(self, time: float, step: int, time_step: float) -> Row:
         """Measure the method now."""

@@ -14,18 +14,18 @@ class GuardError(ViscopointError):
     """A guard stopped the run; what was computed so far is kept."""
 
 
-def check_row(row: Row, start: Totals, limits: Guards, method: Method) -> None:
+def check_row(row: Row, start: Totals, brought: float, limits: Guards, method: Method) -> None:
     """Stop if a quantity is not finite, energy is lost or gained, or too much is eroded or taken by hourglassing.
 
     Args:
         row: to check.
         start: energies and mass at the start.
+        brought: the energy of all bodies then, of which shares are taken [mJ].
         limits: what the case allows.
         method: what moves the body.
     """
     _check_finite(row, method)
-    initial = start.kinetic + start.stored
-    share = row.numerical / initial
+    share = row.numerical / brought
     if abs(share) > limits.energy_error:
         gone, cause = (
             ("lost", method.failure_hints.dissipating) if share > 0.0 else ("gained", method.failure_hints.gaining)
@@ -36,8 +36,8 @@ def check_row(row: Row, start: Totals, limits: Guards, method: Method) -> None:
             f"(guards.energy_error allows {100 * limits.energy_error:g} %)",
             cause,
         )
-    if max(row.lost_mass / start.mass, row.eroded / initial) > limits.lost_share * (1.0 + ROUNDING):
-        stored = f" and {100 * row.eroded / initial:.2g} % of the initial energy" if row.eroded else ""
+    if max(row.lost_mass / start.mass, row.eroded / brought) > limits.lost_share * (1.0 + ROUNDING):
+        stored = f" and {100 * row.eroded / brought:.2g} % of the initial energy" if row.eroded else ""
         allowed = f" (guards.lost_share allows {100 * limits.lost_share:g} %)"
         raise _stopped(row.time, lost_in_words(row, start.mass, method) + stored + allowed, method.failure_hints.lost)
     if row.hourglass_share > 100 * limits.hourglass_share:

@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from viscopoint.errors import InputError
 from viscopoint.integrators.central_differences import CentralDifferences
 from viscopoint.kernels.jit import check_ready
 from viscopoint.model.build import Model
@@ -50,12 +51,20 @@ class Simulation:
         keeper: Keeper | None = None,
         stop: Stop | None = None,
     ) -> None:
-        """Prepare to run a model; ``keeper`` writes checkpoints, ``stop`` says when somebody wants to end it."""
+        """Prepare to run a model; ``keeper`` writes checkpoints, ``stop`` says when somebody wants to end it.
+
+        Raises:
+            InputError: a keeper for several bodies, of which a checkpoint does not tell.
+        """
+        if keeper and len(model.bodies) > 1:
+            raise InputError(f"checkpoints: written of one body only; this model has {len(model.bodies)}")
         check_ready()  # the model may have been built before a fork
         self.model, self.writers, self.watch = model, writers, watch
         self.keeper, self.stop = keeper, stop or Stop()
         self.integrator = CentralDifferences(model.bodies)
-        self.balances = tuple(EnergyBalance(body) for body in model.bodies)
+        starts = [body.totals() for body in model.bodies]
+        brought = sum(start.kinetic + start.stored for start in starts)
+        self.balances = tuple(EnergyBalance(body, brought) for body in model.bodies)
         self.balance = self.balances[0]
         self.time, self.step, self.time_step, self.busy = 0.0, 0, 0.0, 0.0
         self.first_steps = [body.stable_step() for body in model.bodies]
@@ -160,7 +169,7 @@ class Simulation:
         if self.watch:
             self.watch(self.time / self.model.case.time.end, rows[0])
         for balance, row in zip(self.balances, rows, strict=True):
-            check_row(row, balance.start, self.model.case.guards, balance.method)
+            check_row(row, balance.start, balance.brought, self.model.case.guards, balance.method)
         return rows
 
     def _keep_last_state(self) -> None:

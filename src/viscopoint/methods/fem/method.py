@@ -21,6 +21,8 @@ from viscopoint.model.nodes import nodes_at_rest
 from viscopoint.model.points import MaterialState, VolumeState
 from viscopoint.model.viscosity import BulkViscosity, signal_speed
 
+SHORT = 1e-9  # ms; in it strain is sudden for any material
+
 
 @dataclass(frozen=True)
 class Discretisation:
@@ -76,7 +78,7 @@ class FiniteElementMethod(LagrangianBody):
         """Let elements at rest say how long a step they allow; some share of it is where they are deleted."""
         start = {name: rows.copy() for name, rows in self.state().items()}
         viscosity, self.viscosity = self.viscosity, BulkViscosity(0.0, 0.0)
-        self.strain(1.0)
+        self.strain(SHORT)
         self.viscosity = viscosity
         self.restore(start | {"critical": self.critical})  # what rounding has left
         self.limits.limiting[:] = -1

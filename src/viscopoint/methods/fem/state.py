@@ -33,11 +33,12 @@ TWELVE = (0.0,) * 12
     MEAN,  # Σ det tr σ / 3 over the points
     SHARPEST,  # what the points take of shear (``cells.sharpest``)
     DET,  # of a point
+    STIFFEST,  # greatest K + 4G/3 of the points so far
     HOURGLASS_WORK,
     REST_STEP,  # longest stable step without bulk viscosity
     STEP_LENGTH,  # longest stable step
     _,
-) = columns(24, 24, 21, 12, *(1,) * 9, first=OWN)
+) = columns(24, 24, 21, 12, *(1,) * 10, first=OWN)
 
 
 class Elements(NamedTuple):

@@ -1,6 +1,6 @@
 """Planes act on the nodes of the grid where they stand, and beyond it.
 
-A plane that is normal to an axis stands on the closest plane of nodes, and shape functions know it (``walls_around``).
+A plane that is normal to an axis stands on the closest plane of nodes, and splines know it (``shapes.splines``).
 Any other, or one that moves, acts on the nodes behind it: its place is then known to a cell.
 """
 
@@ -25,11 +25,12 @@ from viscopoint.interactions.rows import (
     with_room,
 )
 from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.kernels.jit import serial_kernel
+from viscopoint.kernels.jit import generic, implements, serial_kernel
 from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
 from viscopoint.methods.mpm.contacts import Contact, closed
 from viscopoint.methods.mpm.contacts.nodes import Nodes
-from viscopoint.methods.mpm.grid import Grid
+from viscopoint.methods.mpm.geometry import ON_AXIS
+from viscopoint.methods.mpm.grid import Grid, HalfPlane
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.shapes import NOWHERE, Planes
 
@@ -83,7 +84,7 @@ class PlanesOnGrid:
         self._held.size[:] = 0
         rows = self._held = self.find(self._held, 0, 0, grid, points, shape, half)
         if rows.size[0]:
-            solve(rows, 0, rows.size[0], np.zeros_like(self.reactions))
+            solve(rows, 0, rows.size[0], np.zeros_like(self.reactions), 1.0)
             self.take_velocity(grid, rows, 0)
 
 
@@ -130,6 +131,23 @@ def _window(plane: Plane, grid: Grid) -> tuple[NDArray[np.int64], NDArray[np.int
     return low, high
 
 
+@generic
+def inverse_mass(grid: Any, i: int, inverse: float) -> Vec:
+    """Return the inverse mass along each axis of a node, the i-th along x of the window; 0: it cannot move along it."""
+    raise NotImplementedError
+
+
+@implements(inverse_mass, Grid)
+def in_space(grid: Grid, i: int, inverse: float) -> Vec:
+    return Vec(inverse, inverse, inverse)
+
+
+@implements(inverse_mass, HalfPlane)
+def in_half_plane(grid: HalfPlane, i: int, inverse: float) -> Vec:
+    x = (grid.x0 * grid.per_cell) + (grid.i0 + i)
+    return Vec(0.0 if abs(x) < ON_AXIS else inverse, 0.0, inverse)
+
+
 @serial_kernel
 def meet(
     contact: Any, plane: Plane, grid: Grid, low: NDArray[np.int64], high: NDArray[np.int64], slot_of: Indices,
@@ -152,9 +170,8 @@ def meet(
                 s: Any = slot_of[n]
                 if s < 0:
                     s = slot_of[n] = add_slot(rows, body, n)
-                    inverse = 1.0 / m
-                    before = inverse * read_vector(grid.momentum[n])
-                    load_slot(rows, s, before, velocity, Vec(inverse, inverse, inverse))
+                    before = (1.0 / m) * read_vector(grid.momentum[n])
+                    load_slot(rows, s, before, velocity, inverse_mass(grid, i, 1.0 / m))
                 add_row(rows, s, owner, normal, point, plane.speed, plane.friction, plane.two_sided, -1.0)
 
 

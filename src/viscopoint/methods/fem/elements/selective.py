@@ -5,10 +5,22 @@ from typing import Any, NamedTuple
 from viscopoint.kernels.jit import implements
 from viscopoint.kernels.tensors import deviator, matrix, sym_columns, trace
 from viscopoint.kernels.workspace import add, load, load_sym, load_tuple, store
-from viscopoint.materials.block import GRADIENT, STRESS, SWEPT, MaterialCode
+from viscopoint.materials.block import GRADIENT, MODULUS, STRESS, SWEPT, MaterialCode
 from viscopoint.methods.fem import cells, elements
 from viscopoint.methods.fem.elements import load_modes
-from viscopoint.methods.fem.state import DET, FLOW, MEAN, ON, PLACE, SHARPEST, VOLUME, WEIGHTS, WHOLE, Elements
+from viscopoint.methods.fem.state import (
+    DET,
+    FLOW,
+    MEAN,
+    ON,
+    PLACE,
+    SHARPEST,
+    STIFFEST,
+    VOLUME,
+    WEIGHTS,
+    WHOLE,
+    Elements,
+)
 from viscopoint.model.points import VISCOUS
 
 
@@ -40,6 +52,7 @@ def mean_dilatation(element: Selective, work: Any, i: int, cell: Any, dt: float)
     store(work, SWEPT, i, stretch.x.x + stretch.y.y + stretch.z.z)
     store(work, MEAN, i, 0.0)
     store(work, SHARPEST, i, 0.0)
+    store(work, STIFFEST, i, 0.0)
 
 
 @implements(elements.strain, Selective)
@@ -56,12 +69,14 @@ def strain_point(element: Selective, work: Any, i: int, k: int, cell: Any, dt: f
 
 @implements(elements.gather, Selective)
 def gather_point(element: Selective, work: Any, i: int, k: int, cell: Any) -> None:
-    """Add the forces of the deviator at point k to those on the modes, and its mean stress to the element's."""
+    """Add point k's forces of the deviator to those on the modes, and its mean stress; note the greatest modulus."""
     stress = load_sym(work, STRESS, i)
     weights = cells.point_weights(cell, load_tuple(work, WEIGHTS, i, cells.weight_numbers(cell)))
     pull = sym_columns((-1.0) * deviator(stress))
     store(work, ON, i, cells.flattened(cells.add_point_force(load_modes(work, ON, i, cell), weights, pull, k)))
     add(work, MEAN, i, load(work, DET, i) * trace(stress) / 3.0)
+    store(work, STIFFEST, i, max(load(work, STIFFEST, i), load(work, MODULUS, i)))
+    store(work, MODULUS, i, load(work, STIFFEST, i))
 
 
 @implements(elements.stable_length, Selective)

@@ -139,3 +139,58 @@ def lowest(body: Any) -> float:
     """Return the least J."""
     shared = body.points.shared if hasattr(body, "points") else body.elements.shared
     return max(float(shared.jacobian.min()), 1e-3)
+
+
+class Stirred(NamedTuple):
+    """A solid whose p-wave modulus grows with the shear that it has seen, which its stress does not tell."""
+
+    density: float
+    bulk: float
+    shear: float
+
+    history_fields = (HistoryField("seen"),)
+
+    @property
+    def p_wave_modulus(self) -> float:
+        return p_wave_modulus(self.bulk, self.shear)
+
+
+@implements(step_factors, Stirred)
+def no_factors(material: Stirred, dt: float) -> float:
+    return 0.0
+
+
+@implements(update_stress, Stirred)
+def stir(material: Stirred, factors: float, increment: Increment, stress: Sym, history: History) -> Response:
+    shape = deviator(increment.strain)
+    seen = history[0] + contract(shape, shape)
+    modulus = p_wave_modulus(material.bulk, material.shear) * (1.0 + 1e3 * seen)
+    return Response(stress + spherical(0.0), (seen,), 0.0, modulus)
+
+
+@implements(stored_energy, Stirred)
+def no_energy(material: Stirred, jacobian: float, stress: Sym, history: History) -> float:
+    return 0.0
+
+
+@implements(shear_energy, Stirred)
+def no_shear_energy(material: Stirred, stress: Sym, history: History) -> float:
+    return 0.0
+
+
+def test_step_of_a_selective_element_is_that_of_its_stiffest_point_wherever_it_is() -> None:
+    steps, size, dt = [], 1e-3, 1e-3
+    for corner, sign in ((0, 1.0), (6, -1.0)):  # opposite ones, moved in opposite ways
+        body = bricks.brick((1.0, 1.0, 1.0), (1, 1, 1))
+        method = bricks.fem(body, bricks.SELECTIVE, Stirred(DENSITY, BULK, SHEAR))
+        velocity = np.zeros((8, 3))
+        velocity[body.cells[0][corner]] = sign * size / dt * np.array([100.0, 50.0, 20.0])
+        bricks.answer(method, velocity, dt)
+        steps.append(float(method.critical.min()))
+        seen = method.elements.material.history
+        stiffest = p_wave_modulus(BULK, SHEAR) * (1.0 + 1e3 * float(seen.max()))
+        assert seen.max() > 10.0 * seen.min()
+        soft = bricks.fem(body, bricks.SELECTIVE, columns.Elastic(DENSITY, stiffest - 4.0 / 3.0 * SHEAR, SHEAR))
+        bricks.answer(soft, velocity, dt)  # as stiff from the start
+        np.testing.assert_allclose(method.critical, soft.critical, rtol=1e-12)
+    np.testing.assert_allclose(steps[0], steps[1], rtol=1e-12)

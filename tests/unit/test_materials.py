@@ -274,6 +274,20 @@ def test_a_part_that_asks_for_the_deformation_gradient_is_handed_it() -> None:
     assert_allclose(part[1][:, place : place + 9], seen, rtol=0, atol=100 * EPS)
 
 
+class Bare(NamedTuple):
+    """A solid of which nobody says how it works."""
+
+    density: float
+
+    p_wave_modulus = 1.0
+    history_fields = ()
+
+
+def test_a_material_that_lacks_an_operation_is_told_so() -> None:
+    with pytest.raises(TypeError, match=r"Bare has no step_factors: decorate a function with @implements"):
+        MaterialBlock(Bare(1e-3))
+
+
 @pytest.mark.parametrize("name", ["stress", "own"])
 def test_a_history_field_of_a_name_that_is_taken_is_refused(name: str) -> None:
     block: Any = SimpleNamespace(material=WITNESS, history_fields=(HistoryField("own"), HistoryField(name)))

@@ -1,6 +1,6 @@
 """The array types of the package.
 
-Kernels compute in double, whatever they read: rows go through ``rows.load``, ``tensors.read`` or a workspace, single
+Kernels compute in double, whatever they read: rows go through ``read_row``, ``tensors.read`` or a workspace, lone
 numbers through ``numpy.float64`` where another one in single meets them (``float`` leaves single as it is in kernels).
 """
 

@@ -1,6 +1,6 @@
 """Where compiled kernels are kept: in folders that nobody else can have written to.
 
-Numba's files of compiled code are pickles: who reads one runs whatever its author wanted.
+Files of compiled code are pickles: who reads one runs whatever its author wanted.
 """
 
 import atexit
@@ -32,11 +32,10 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 def cache_folder() -> Path:
     """Return the folder of compiled kernels, named after a hash of the numerics and of what else changes their code.
 
-    Numba looks only at a kernel's own file and the processor to decide whether its cached code is stale; a material in
-    another file, or code of other settings of the compiler, would be run stale. A folder per state cannot be. It is in
-    the folder that the environment variable ``VISCOPOINT_CACHE`` names, else in the user's cache folder. One that
-    cannot be written, or that others could have written to, is told and not used; without any, there is a private one
-    among temporary files until the process ends.
+    So code of other sources, or of other settings of the compiler, is never run stale. It is in the folder that the
+    environment variable ``VISCOPOINT_CACHE`` names, else in the user's cache folder. One that cannot be written, or
+    that others could have written to, is told and not used; without any, there is a private one among temporary files
+    until the process ends.
     """
     given, usual = os.environ.get(VARIABLE), platformdirs.user_cache_path("viscopoint")
     refused: list[str] = []

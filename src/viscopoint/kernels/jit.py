@@ -131,6 +131,7 @@ def generic(declaration: Callable[..., Any]) -> Any:
 
     @functools.wraps(declaration)
     def operation(subject: Any, *arguments: Any) -> Any:
+        check_implemented(operation, subject)
         return table[type(subject)](subject, *arguments)
 
     @overload(operation, strict=False, jit_options=INLINED)
@@ -139,6 +140,13 @@ def generic(declaration: Callable[..., Any]) -> Any:
 
     operation.implementations = table  # pyright: ignore[reportAttributeAccessIssue]
     return operation
+
+
+def check_implemented(operation: Any, subject: Any) -> None:
+    """Raise ``TypeError`` if an operation knows nothing of a subject's class."""
+    name, kind = operation.__name__, type(subject).__name__
+    if type(subject) not in operation.implementations:
+        raise TypeError(f"{kind} has no {name}: decorate a function with @implements({name}, {kind})")
 
 
 def implements(operation: Any, subject: type) -> Callable[[F], F]:

@@ -6,7 +6,8 @@ A material is a NamedTuple of its parameters, in g, mm, ms (so MPa), or of parts
 - ``p_wave_modulus`` [MPa]: K + 4G/3 of a sudden strain of the undeformed material, which bounds the first step,
 - ``history_fields``: name, unit, number of components and initial values of each group of history values;
 
-and implements the operations declared below. Materials know nothing of points, elements or files; strain increment and
+and implements the operations declared below, which must not raise: a kernel could not tell (NaN in what they return
+stops the run). Materials know nothing of points, elements or files; strain increment and
 rotation come in, Cauchy stress goes out. A file put into this folder is found by itself: see CONTRIBUTING.
 
 A material that sets ``needs_deformation = True`` is handed F with each increment, and one that lists a history field

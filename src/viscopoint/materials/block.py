@@ -20,7 +20,7 @@ from numba.extending import intrinsic, overload
 from viscopoint.kernels import outside
 from viscopoint.kernels.arrays import Array, Real
 from viscopoint.kernels.cache import Cache, words
-from viscopoint.kernels.jit import INLINED, OPTIONS, inline
+from viscopoint.kernels.jit import INLINED, OPTIONS, check_implemented, inline
 from viscopoint.kernels.kinematics import strain_and_rotation
 from viscopoint.kernels.pipeline import Whole
 from viscopoint.kernels.tensors import (
@@ -51,6 +51,7 @@ from viscopoint.materials import (
     Increment,
     Material,
     hypoelastic_work,
+    shear_energy,
     step_factors,
     stored_energy,
     update_stress,
@@ -88,6 +89,8 @@ class MaterialBlock:
     """A material, compiled."""
 
     def __init__(self, material: Material) -> None:
+        for operation in (step_factors, update_stress, stored_energy, shear_energy):
+            check_implemented(operation, material)
         self.material = material
         own = (DEFORMATION_GRADIENT,) if _needs_deformation(material) else ()
         self.history_fields: tuple[HistoryField, ...] = (*own, *material.history_fields)

@@ -11,7 +11,7 @@ from viscopoint.methods.moving import MovingBody
 from viscopoint.model import nodes as motion
 from viscopoint.model.nodes import Nodes
 
-CONSTANT = ("mass", "inverse_mass", "normal", "partner")  # of what nodes have
+UNKEPT = ("mass", "inverse_mass", "normal", "partner", "pressed")  # constant, or of one stage: in no checkpoint
 
 
 class LagrangianBody(MovingBody):
@@ -69,6 +69,6 @@ class LagrangianBody(MovingBody):
 
     def state(self) -> dict[str, AnyArray]:
         material, shared, _ = self.states()
-        nodes = {f"node_{name}": rows for name, rows in self.nodes._asdict().items() if name not in CONSTANT}
+        nodes = {f"node_{name}": rows for name, rows in self.nodes._asdict().items() if name not in UNKEPT}
         kept = {**material._asdict(), **shared._asdict(), **nodes, **self.own_state()}
         return {**kept, "critical": self.critical, "reactions": self.reactions}

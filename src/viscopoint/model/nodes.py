@@ -28,7 +28,7 @@ class Nodes(NamedTuple):
     normal_mass: Array  # [n], that moves along ``normal``, g
     normal: Array  # [3], of the wall on which mass is redistributed
     partner: Indices  # [n], of a node that meets the wall first the one behind it; else -1
-    pressed: NDArray[np.uint8]  # [n], stopped by something during this step
+    pressed: NDArray[np.uint8]  # [n], 1: stands on a wall or would pass it in this step
 
 
 def nodes_at_rest(position: Array, mass: Array, free: Array) -> Nodes:

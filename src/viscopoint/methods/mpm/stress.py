@@ -14,6 +14,7 @@ from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import gradient, stencil_at
 from viscopoint.methods.mpm.volumes import dilated
+from viscopoint.model.nodes import KINETIC, MASS, MOMENTUM
 from viscopoint.model.points import (
     OWN,
     apply_viscosity,
@@ -25,7 +26,6 @@ from viscopoint.model.points import (
 from viscopoint.model.viscosity import BulkViscosity, signal_speed
 
 SPEED, _ = columns(1, first=OWN)  # of a point in the workspace, beside what all have: v², then the signal speed
-KINETIC, MASS, MOMENTUM, SUMS = 0, 1, 2, 5
 
 
 @kernel()

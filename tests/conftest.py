@@ -1,4 +1,5 @@
 import gc
+import os
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,8 +23,12 @@ SMALL_FEM = {"method.size": "1.2 mm", "time.end": "2 us", "time.snapshots": ["1 
 
 
 def pytest_configure() -> None:
-    """Let processes that tests start hear Ctrl-C, also if the tests go on in the background of a shell."""
+    """Let processes that tests start hear Ctrl-C, also if the tests go on in the background of a shell.
+
+    And let them keep the package's bytecode, of which each would else make its own: a sixth of the time of their start.
+    """
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -158,8 +158,24 @@ MUTATIONS = [
     ),
     Mutation(
         "work-of-what-the-wall-stops", "interactions/rows.py",
-        "along += forced / _inverse_along(motion, normal)", "along += 0.5 * forced / _inverse_along(motion, normal)",
+        "along += force\n", "along += 0.5 * force\n",
         f"{CONTACT} -k 'nodes_lose'",
+    ),
+    Mutation(
+        "piston-without-work", "interactions/rows.py",
+        "            if row[TWO_SIDED] == 0.0:\n                along +=",
+        "            if True:\n                along +=",
+        "verification/test_pistons.py -k 'selective'",
+    ),
+    Mutation(
+        "piston-that-forgets-what-grid-nodes-had", "interactions/rows.py",
+        "+= 0.5 * force * slowed", "-= 0.5 * force * slowed",
+        f"{CONTACT} -k 'holds_takes'",
+    ),
+    Mutation(
+        "selective-step-of-the-last-point", "methods/fem/elements/selective.py",
+        "max(load(work, STIFFEST, i), load(work, MODULUS, i))", "max(0.0, load(work, MODULUS, i))",
+        "verification/test_stiffening.py -k 'selective'",
     ),
     Mutation(
         "foot-let-go-only-by-a-pull", "interactions/on_nodes.py",

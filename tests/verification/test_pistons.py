@@ -30,10 +30,11 @@ def columns_of_all() -> dict[str, Any]:
         "stiffness": bricks.column(CELLS, bricks.STIFF, ELASTIC, (PISTON,)),
         "selective": bricks.column(CELLS, bricks.SELECTIVE, ELASTIC, (PISTON,)),
         "tlmpm": lagrangian.column(CELLS, ELASTIC, (PISTON,)),
+        "mpm": columns.column(CELLS, ELASTIC, (PISTON,)),
     }
 
 
-@pytest.mark.parametrize("name", ["stiffness", "selective", "tlmpm"])
+@pytest.mark.parametrize("name", ["stiffness", "selective", "tlmpm", "mpm"])
 def test_work_of_a_piston_is_what_its_column_has(name: str) -> None:
     method = columns_of_all()[name]
     area = method.totals().mass / DENSITY / LENGTH

@@ -82,7 +82,7 @@ class CentralDifferences:
         for number, body in enumerate(bodies):
             rows = body.constrain(rows, number, first[number], dt)  # what nodes must not do
             ends.append(int(rows.size[0]))
-        self._solve(rows, ends, 1.0)  # λ >= 0, friction cone
+        self._solve(rows, ends)  # λ >= 0, friction cone
         for number, body in enumerate(bodies):
             body.drift(rows, number, dt)  # x += v Δt
         for body in bodies:
@@ -93,13 +93,13 @@ class CentralDifferences:
             body.constrain_again(rows, number, dt)
         if rows.size[0]:
             relax_bounds(rows)
-        self._solve(rows, ends, -1.0)
+        self._solve(rows, ends)
         for number, body in enumerate(bodies):
             body.arrive(rows, number)
         self._rows = rows
 
-    def _solve(self, rows: Rows, ends: list[int], half: float) -> None:
+    def _solve(self, rows: Rows, ends: list[int]) -> None:
         """Solve the rows of each body, none of which shares a node with another's."""
         for begin, end in pairwise(ends):
             if begin < end:
-                solve(rows, begin, end, self._reactions, half)
+                solve(rows, begin, end, self._reactions)

@@ -106,11 +106,10 @@ def load_slot(rows: Rows, s: int, before: Vec, velocity: Vec, inverse_mass: Vec)
 
 
 @serial_kernel
-def solve(rows: Rows, begin: int, end: int, reactions: Array, half: float) -> None:
+def solve(rows: Rows, begin: int, end: int, reactions: Array) -> None:
     """Find the impulses of the rows ``begin`` to ``end``, which share no node with others.
 
-    Their slots have the velocities then, and ``reactions[owner, REACTIONS]`` what the impulses were and did. ``half``:
-    1.0 in the first half of a step, before bodies move with the velocities, -1.0 in the second.
+    Their slots have the velocities then, and ``reactions[owner, REACTIONS]`` what the impulses were and did.
     """
     least, most = np.int64(len(rows.motion)), np.int64(-1)  # slots
     for r in range(begin, end):
@@ -130,7 +129,7 @@ def solve(rows: Rows, begin: int, end: int, reactions: Array, half: float) -> No
         elif change <= CLOSE * first:
             break
     for r in range(begin, end):
-        _account(rows, r, reactions[rows.owner[r]], half)
+        _account(rows, r, reactions[rows.owner[r]])
 
 
 @serial_kernel
@@ -227,13 +226,12 @@ def _inverse_along(motion: Array, n: Vec) -> float:
 
 
 @called
-def _account(rows: Rows, r: int, reactions: Array, half: float) -> None:
+def _account(rows: Rows, r: int, reactions: Array) -> None:
     """Add what a row did to its nodes.
 
     Works are taken with the mean v̄ of the velocities before and after all impulses of this part of a step. The body's
-    own force, of impulse F in it, works with the velocity v of the step's motion: its account lacks F · (v̄ - v), which
-    the normal work of the row takes in. In the first half v is the velocity after, in the second that before. A wall at
-    rest stops what it holds: there v = 0.
+    own force, of impulse F in it, is counted with the velocity v after, with which the body moves: what that lacks,
+    F (v̄ - v), the normal work of the row takes in. On a wall at rest v = 0.
     """
     row = rows.row[r]
     normal, tangential = read_vector(row, NORMAL), read_vector(row, TANGENTIAL)
@@ -252,6 +250,6 @@ def _account(rows: Rows, r: int, reactions: Array, half: float) -> None:
                 along += force
             else:
                 slowed = dot(read_vector(motion, BEFORE) - read_vector(motion, VELOCITY), normal)
-                reactions[NORMAL_WORK] += 0.5 * half * force * slowed
+                reactions[NORMAL_WORK] += 0.5 * force * slowed
         reactions[NORMAL_WORK] += along * dot(mean, normal)
         reactions[FRICTION_WORK] += w * dot(tangential, mean)

@@ -84,7 +84,7 @@ class PlanesOnGrid:
         self._held.size[:] = 0
         rows = self._held = self.find(self._held, 0, 0, grid, points, shape, half)
         if rows.size[0]:
-            solve(rows, 0, rows.size[0], np.zeros_like(self.reactions), 1.0)
+            solve(rows, 0, rows.size[0], np.zeros_like(self.reactions))
             self.take_velocity(grid, rows, 0)
 
 

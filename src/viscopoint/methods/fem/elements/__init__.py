@@ -1,8 +1,9 @@
 """Finite elements: one short file each, found by itself.
 
 An element is a NamedTuple of its choices, registered under the name that a case uses, and generic over its cell
-(``cells``). It says whether it has one integration point or one for each corner, and implements the operations declared below, which take the
-nodes' motion over a step to forces, for the block's element i; ``internal_force.strain_elements`` is their order.
+(``cells``). It says whether it has one integration point or one for each corner, and implements the operations declared
+below, which take the nodes' motion over a step to forces, for the block's element i; their order is
+``internal_force.strain_elements``.
 """
 
 from typing import Any, Protocol

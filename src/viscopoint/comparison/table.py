@@ -24,7 +24,7 @@ ROWS = {  # quantity: what is printed, unit, decimals, what a difference is a sh
     "eroded": ("in deleted elements", "mJ", 1, "energy"),
     "contact": ("taken at the wall", "mJ", 1, "energy"),
     "friction": ("friction", "mJ", 1, "energy"),
-    "numerical": ("numerical remainder", "mJ", 1, "energy"),
+    "numerical": ("energy error", "mJ", 1, "energy"),
 }
 PAD, LEAST = 2, 12  # between columns; of a name, before it is folded
 SELDOM = ("hourglass", "eroded", "friction")  # left out where they are zero

@@ -32,7 +32,7 @@ def energies(run: Reader) -> Figure:
             axis.plot(history["time"] * 1e3, share, label=label)
     below.plot(history["time"] * 1e3, 100.0 * history["numerical"] / initial, color="0.2")
     axis.set(ylabel="% of the initial kinetic energy")
-    below.set(xlabel="time (µs)", ylabel="numerical\nremainder (%)")
+    below.set(xlabel="time (µs)", ylabel="energy\nerror (%)")
     for each in (axis, below):
         each.yaxis.set_label_coords(-0.09, 0.5)
     figure.legend(ncols=3, loc="upper center")

@@ -118,12 +118,13 @@ def _decoding(made: "Reproduction") -> Section:
 def _balances(made: "Reproduction") -> Section:
     head = (
         "run", "kinetic (mJ)", "stored", "dissipated", "hypoelastic", "bulk viscosity", "hourglass", "at the wall",
-        "remainder", "worst remainder (%)", "momentum error (N ms)", "mass error (%)",
+        "energy error", "worst (%)", "momentum error (N ms)", "mass error (%)",
     )  # fmt: skip
     rows = tuple(_balance(f"{group}/{name}", run) for group, runs in made.runs.items() for name, run in runs.items())
     note = (
-        "At 20 µs, in mJ. The remainder is what the initial kinetic energy exceeds the sum of the others by; the worst "
-        "one of any step is given in per cent of that energy. The mass of the paper's lattice is 0.8 % above the rod's."
+        "At 20 µs, in mJ. The energy error is what the initial kinetic energy exceeds the sum of the others by; the "
+        "worst one of any step is given in per cent of that energy. The mass of the paper's lattice is 0.8 % above the "
+        "rod's."
     )
     return Section("The energy balance of each run", (Table("Energy, momentum and mass", head, rows, note),))
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscopoint.errors import InputError
 from viscopoint.integrators import central_differences
+from viscopoint.interactions.planes import Interaction
 from viscopoint.interactions.rows import FRICTION_WORK, NORMAL_WORK
 from viscopoint.kernels.arrays import AnyArray, Array
 from viscopoint.kernels.slabs import CHUNKS
@@ -37,6 +38,16 @@ class MovingBody(central_differences.Body, ABC):
         self._alone: central_differences.CentralDifferences | None = None  # of ``advance``
         self.time_step_factor = time_step_factor
         self.sound = float(np.sqrt(material.p_wave_modulus / material.density))  # of the undeformed material, mm/ms
+
+    @property
+    def interactions(self) -> Sequence[Interaction]:
+        """What acts on it from outside."""
+        return self.planes.interactions
+
+    @property
+    def external_work(self) -> float:
+        """What interactions did on the body since the start; below zero: what they took [mJ]."""
+        return float(self.reactions[:, [NORMAL_WORK, FRICTION_WORK]].sum())
 
     @property
     def reactions(self) -> Array:

@@ -25,14 +25,14 @@ Count = Annotated[int, "1"]
 class Row(NamedTuple):
     """The state of a run at one time; ``UNITS`` has the unit of each entry.
 
-    Energies close by construction: ``numerical`` is what the initial kinetic energy exceeds the sum of the others by,
-    and so what transfers and time integration lost (or, below zero, gained). A rigid wall does no work: ``contact`` is
-    the kinetic energy of the nodes that it stops, a loss of the method of first order in the cell or element. Points
-    that left the box keep the energy and momentum they had, and count; so do the nodes of deleted elements. Lengths
-    that need a point which was lost are not a number.
+    Energies close by construction: ``numerical`` is what the initial energy exceeds the sum of the others by, and so
+    what transfers and time integration lost (or, below zero, gained). A wall at rest does no work: ``contact`` is the
+    kinetic energy of the nodes that it stops, a loss of the method of first order in the cell or element. The work of
+    a plane that moves is in it too, below zero. Points that left the box keep the energy and momentum they had, and
+    count; so do the nodes of deleted elements. Lengths that need a point which was lost are not a number.
 
     ``hourglass_share`` is ``hourglass`` over the greatest internal energy so far, stored and dissipated by the law, or
-    over a hundredth of the initial kinetic energy as long as that is more.
+    over a hundredth of the ``ReferenceEnergy`` as long as that is more.
     """
 
     time: Time
@@ -74,7 +74,8 @@ def row_of(values: Sequence[float]) -> Row:
 
 
 MEASURED = Measurements._fields  # not a number where a point that they need was lost
-LEAST_INTERNAL = 0.01  # of the initial kinetic energy, of which ``hourglass_share`` is at least taken
+LEAST_INTERNAL = 0.01  # of the reference energy, of which ``hourglass_share`` is at least taken
+ROUNDED = 1e-9  # a strain that says nothing
 _KINDS = [int if unit == "1" else float for unit in UNITS.values()]
 
 
@@ -83,12 +84,39 @@ for _loop in measurements.LOOPS:
 measured = serial_kernel(measurements.measured)
 
 
+class ReferenceEnergy:
+    """The energy of which errors and losses are shares: all that was brought in, to all bodies.
+
+    It is what the bodies had at the start, or, if that is more, the work that planes have done since. A plane that
+    strikes a body at rest is the same impact as a body that strikes a plane at rest: the reference is no less than the
+    energy of the bodies at the speed of the fastest plane, so that losses in the first cells of a pulse are the same
+    share in both. Nor is it less than the energy of a strain that is nothing but rounding.
+    """
+
+    def __init__(self, bodies: Sequence[Method]) -> None:
+        """Measure the bodies at the start."""
+        self._bodies, starts = bodies, [body.totals() for body in bodies]
+        fastest = max((abs(each.plane.speed) for body in bodies for each in body.interactions), default=0.0)
+        stiffness = sum(body.material.p_wave_modulus * float(body.body.volume.sum()) for body in bodies)
+        self.energy, self.of = max(  # mJ; it never falls
+            (sum(start.kinetic + start.stored for start in starts), "the initial kinetic energy"),
+            (0.5 * fastest**2 * sum(start.mass for start in starts), "the energy of the moving planes"),
+            (0.5 * ROUNDED**2 * stiffness, f"the energy of a strain of {ROUNDED:g}"),
+        )
+
+    def update(self) -> None:
+        """Take in the work that was done since."""
+        work = sum(body.external_work for body in self._bodies)
+        if work > self.energy:
+            self.energy, self.of = work, "the work done so far"
+
+
 class EnergyBalance:
     """Keeps the account of a body: what there was at the start, the row before, the rows at snapshots, and errors."""
 
-    def __init__(self, method: Method, brought: float) -> None:
-        """Measure a body at the start; ``brought`` is the energy of all bodies then [mJ], of which shares are taken."""
-        self.method, self.brought, surface = method, brought, method.body.surface
+    def __init__(self, method: Method, reference: ReferenceEnergy) -> None:
+        """Measure a body at the start; ``reference`` is that of all bodies."""
+        self.method, self.reference, surface = method, reference, method.body.surface
         away = np.linalg.norm(method.body.position[surface.foot[:, 0], :2], axis=1)
         self.surface = Surface(
             ring=np.ascontiguousarray(surface.ring), start=np.ascontiguousarray(surface.start),
@@ -98,7 +126,7 @@ class EnergyBalance:
         )  # fmt: skip
         self.variance, self._room = float(np.var(surface.start)), measurements.room(surface)
         self.start: Totals = method.totals()
-        self.internal = LEAST_INTERNAL * brought  # the greatest so far, mJ
+        self.internal = 0.0  # the greatest so far, mJ
         self.before: Row = self.row(0.0, 0, 0.0)
         self.rows: list[Row] = []  # at the snapshots
         self.errors = (0.0, 0.0, 0.0)  # of energy and momentum, and the share of hourglass energy: the greatest so far
@@ -110,7 +138,7 @@ class EnergyBalance:
     def record(self, time: float, step: int, time_step: float) -> Row:
         """Measure the body now, and note how far the account is off."""
         row = self.row(time, step, time_step)
-        now = (abs(row.numerical) / self.brought, row.momentum_error, row.hourglass_share)
+        now = (abs(row.numerical) / self.reference.energy, row.momentum_error, row.hourglass_share)
         self.errors = tuple(map(max, self.errors, now))
         return row
 
@@ -119,7 +147,8 @@ class EnergyBalance:
         now, start, lost = self.method.totals(), self.start, self.method.lost()
         shape = Measurements(*measured(self.surface, self.method.positions(), self.variance, self._room))
         impulse = float(now.impulse[2])
-        self.internal = max(self.internal, now.stored + now.dissipated)
+        self.reference.update()
+        self.internal = max(self.internal, LEAST_INTERNAL * self.reference.energy, now.stored + now.dissipated)
         force = (impulse - self.before.wall_impulse) / (time - self.before.time) if step else 0.0
         row = Row(
             time, step, time_step, *shape,

@@ -4,7 +4,7 @@ import math
 
 from viscopoint.case.tables import Guards
 from viscopoint.errors import ViscopointError
-from viscopoint.model.energy_balance import MEASURED, Row
+from viscopoint.model.energy_balance import MEASURED, ReferenceEnergy, Row
 from viscopoint.model.method import Method, Totals
 
 ROUNDING = 1e-9  # of sums of masses: all that there is is no more than 100 %
@@ -14,30 +14,30 @@ class GuardError(ViscopointError):
     """A guard stopped the run; what was computed so far is kept."""
 
 
-def check_row(row: Row, start: Totals, brought: float, limits: Guards, method: Method) -> None:
+def check_row(row: Row, start: Totals, reference: ReferenceEnergy, limits: Guards, method: Method) -> None:
     """Stop if a quantity is not finite, energy is lost or gained, or too much is eroded or taken by hourglassing.
 
     Args:
         row: to check.
         start: energies and mass at the start.
-        brought: the energy of all bodies then, of which shares are taken [mJ].
+        reference: the energy of which shares are taken.
         limits: what the case allows.
         method: what moves the body.
     """
     _check_finite(row, method)
-    share = row.numerical / brought
-    if abs(share) > limits.energy_error:
+    missing, eroded = row.numerical / reference.energy, row.eroded / reference.energy
+    if abs(missing) > limits.energy_error:
         gone, cause = (
-            ("lost", method.failure_hints.dissipating) if share > 0.0 else ("gained", method.failure_hints.gaining)
+            ("lost", method.failure_hints.dissipating) if missing > 0.0 else ("gained", method.failure_hints.gaining)
         )
         raise _stopped(
             row.time,
-            f"the energy balance does not close: {gone} {100 * abs(share):.1f} % of the initial kinetic energy "
+            f"the energy balance does not close: {gone} {100 * abs(missing):.1f} % of {reference.of} "
             f"(guards.energy_error allows {100 * limits.energy_error:g} %)",
             cause,
         )
-    if max(row.lost_mass / start.mass, row.eroded / brought) > limits.lost_share * (1.0 + ROUNDING):
-        stored = f" and {100 * row.eroded / brought:.2g} % of the initial energy" if row.eroded else ""
+    if max(row.lost_mass / start.mass, eroded) > limits.lost_share * (1.0 + ROUNDING):
+        stored = f" and {100 * eroded:.2g} % of {reference.of}" if row.eroded else ""
         allowed = f" (guards.lost_share allows {100 * limits.lost_share:g} %)"
         raise _stopped(row.time, lost_in_words(row, start.mass, method) + stored + allowed, method.failure_hints.lost)
     if row.hourglass_share > 100 * limits.hourglass_share:

@@ -8,6 +8,7 @@ import numpy as np
 from viscopoint.kernels.arrays import AnyArray, Array
 
 if TYPE_CHECKING:  # what reads fields needs no kernel
+    from viscopoint.interactions.planes import Interaction
     from viscopoint.interactions.rows import Rows
     from viscopoint.materials import HistoryField, Material
     from viscopoint.model.body import Body
@@ -79,6 +80,16 @@ class Method(Protocol):
     @property
     def material(self) -> "Material":
         """What it is of."""
+        ...
+
+    @property
+    def interactions(self) -> "Sequence[Interaction]":
+        """What acts on it from outside."""
+        ...
+
+    @property
+    def external_work(self) -> float:
+        """What interactions did on the body since the start; below zero: what they took [mJ]."""
         ...
 
     @property

@@ -11,7 +11,7 @@ from viscopoint.errors import InputError
 from viscopoint.integrators.central_differences import CentralDifferences
 from viscopoint.kernels.jit import check_ready
 from viscopoint.model.build import Model
-from viscopoint.model.energy_balance import EnergyBalance, Row, row_of
+from viscopoint.model.energy_balance import EnergyBalance, ReferenceEnergy, Row, row_of
 from viscopoint.model.guards import GuardError, check_row, check_step, is_finite, lost_in_words
 from viscopoint.results.checkpoint import Checkpoint, Keeper
 from viscopoint.results.interruption import Stop
@@ -31,7 +31,7 @@ class Outcome(NamedTuple):
     rows: list[Row]  # at the snapshots
     steps: int
     wall_time: float  # s, of the steps and the measurements, less the first step, which may compile
-    energy_error: float  # greatest share of the initial energy that was ever missing
+    energy_error: float  # greatest share of the reference energy that was ever missing
     momentum_error: float  # greatest difference ever of momentum gained and impulse received, N ms
     hourglass_share: float  # greatest ever, %
 
@@ -62,9 +62,8 @@ class Simulation:
         self.model, self.writers, self.watch = model, writers, watch
         self.keeper, self.stop = keeper, stop or Stop()
         self.integrator = CentralDifferences(model.bodies)
-        starts = [body.totals() for body in model.bodies]
-        brought = sum(start.kinetic + start.stored for start in starts)
-        self.balances = tuple(EnergyBalance(body, brought) for body in model.bodies)
+        reference = ReferenceEnergy(model.bodies)
+        self.balances = tuple(EnergyBalance(body, reference) for body in model.bodies)
         self.balance = self.balances[0]
         self.time, self.step, self.time_step, self.busy = 0.0, 0, 0.0, 0.0
         self.first_steps = [body.stable_step() for body in model.bodies]
@@ -169,7 +168,7 @@ class Simulation:
         if self.watch:
             self.watch(self.time / self.model.case.time.end, rows[0])
         for balance, row in zip(self.balances, rows, strict=True):
-            check_row(row, balance.start, balance.brought, self.model.case.guards, balance.method)
+            check_row(row, balance.start, balance.reference, self.model.case.guards, balance.method)
         return rows
 
     def _keep_last_state(self) -> None:

@@ -127,7 +127,7 @@ MUTATIONS = [
     ),
     Mutation(
         "hourglass-spring-s-work", "methods/fem/hourglass.py",
-        "scaled(0.5, change)", "scaled(0.4, change)",
+        "scaled(0.5, increment)", "scaled(0.4, increment)",
         f"{PATCH} -k 'work_of_hourglass'",
     ),
     Mutation(
@@ -206,7 +206,7 @@ MUTATIONS = [
     ),
     Mutation(
         "length-without-the-lattice-s-overhang", "model/measurements.py",
-        "return last + reach * (last - inner)", "return last + 0.9 * reach * (last - inner)",
+        "return last + overhang * (last - inner)", "return last + 0.9 * overhang * (last - inner)",
         "unit/test_body.py -k 'undeformed_rod'",
     ),
 ]  # fmt: skip

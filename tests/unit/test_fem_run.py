@@ -217,7 +217,7 @@ def test_the_last_state_of_a_stopped_run_has_its_own_time(tmp_path: Path):
     run = vp.run(vp.Case.load("paper", changes, method="fem"), tmp_path / "run", figures=False)
     assert run.status == "stopped"
     # the tail has not felt the wall yet: it tells the time
-    tail = run.snapshot(-1)["displacement"][run.body.surface.tail[:, 0], 2].mean()
+    tail = run.snapshot(-1)["displacement"][run.body.surface.rear_face[:, 0], 2].mean()
     assert run.times[-1] == pytest.approx(-tail / 4000.0, rel=1e-9)
     assert run.history["time"].iloc[-1] == run.times[-1]
 

@@ -137,15 +137,15 @@ def rod(
 def fresh_grid(method: MaterialPointMethod) -> Grid:
     """Return the grid without mass, momentum and force."""
     zero(method.grid.momentum)
-    zero(method.grid.change)
+    zero(method.grid.force)
     return method.grid
 
 
 def scattered(method: MaterialPointMethod) -> Grid:
-    """Return the grid with the points' mass, momentum and force, which is its ``change``."""
+    """Return the grid with the points' mass, momentum and force, which is its ``force``."""
     grid = fresh_grid(method)
-    pressed = method.volume.pressed(method.points, grid)
-    scatter_momentum_and_force(method.points, grid, method.shape, pressed, method.transfer)
+    averaged = method.volume.of_pressure(method.points, grid)
+    scatter_momentum_and_force(method.points, grid, method.shape, averaged, method.transfer)
     return grid
 
 

@@ -15,7 +15,7 @@ from viscopoint.interactions.planes import Interaction, rigid_wall, symmetry_pla
 from viscopoint.kernels.arrays import Real
 from viscopoint.methods.mpm.fills import FILLS
 from viscopoint.methods.mpm.shapes import SHAPES
-from viscopoint.methods.tlmpm.filling import watched
+from viscopoint.methods.tlmpm.filling import with_tracers
 from viscopoint.methods.tlmpm.lattice import Lattice
 from viscopoint.methods.tlmpm.method import Discretisation, TotalLagrangianMethod
 from viscopoint.methods.tlmpm.volumes import VOLUMES
@@ -81,7 +81,7 @@ def rod(
     spacing: float = 0.5, viscosity: tuple[float, float] = (0.06, 1.5), **choices: Any,
 ) -> TotalLagrangianMethod:  # fmt: skip
     """Return a rod of 2 mm radius and 6 mm length on z = 0."""
-    body = watched(FILLS[fill](2.0, 6.0, spacing), 6.0, spacing)
+    body = with_tracers(FILLS[fill](2.0, 6.0, spacing), 6.0, spacing)
     cell = (2 * spacing, 2 * spacing, spacing)
     return lagrangian(body, cell, law or viscoelastic(65.0), walls, motion, viscosity=viscosity, **choices)
 

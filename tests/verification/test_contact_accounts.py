@@ -11,7 +11,7 @@ from columns import ELASTIC, Array, one_thread  # noqa: F401
 from conserved import ROUNDING, steps
 from numpy.testing import assert_allclose
 
-from viscopoint.interactions.on_nodes import take_velocity
+from viscopoint.interactions.on_nodes import correct_velocity
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.interactions.rows import NORMAL_WORK, empty_rows, solve
 from viscopoint.methods.lagrangian import LagrangianBody
@@ -32,7 +32,7 @@ def set_off(method: LagrangianBody) -> Array:
     method.kick(DT)
     rows = method.constrain(empty_rows(0), 0, 0, DT)
     solve(rows, 0, int(rows.size[0]), method.reactions)
-    take_velocity(method.nodes, rows, 0)
+    correct_velocity(method.nodes, rows, 0)
     (done,) = method.reactions
     return done
 
@@ -49,7 +49,7 @@ def test_wall_takes_all_that_the_nodes_lose_which_it_stops() -> None:
     stopped = nodes.position[:, 2] == 0.0
     before = upright_energy(nodes, stopped)
     done = set_off(method)
-    assert (nodes.pressed[stopped] > 0).all()
+    assert (nodes.in_contact[stopped] > 0).all()
     assert before > 0.0
     assert_allclose(done[NORMAL_WORK], upright_energy(nodes, stopped) - before, rtol=1e-12)
 
@@ -98,7 +98,7 @@ def test_a_node_that_carries_the_foot_s_mass_is_stopped_with_all_of_it() -> None
     method.kick(dt)
     rows = method.constrain(empty_rows(0), 0, 0, dt)
     solve(rows, 0, int(rows.size[0]), method.reactions)
-    take_velocity(nodes, rows, 0)
+    correct_velocity(nodes, rows, 0)
     now, taken = method.totals(), (method.reactions - done)[0]
     assert_allclose(now.momentum - before.momentum, taken[:3], atol=ROUNDING * before.mass * 30.0)
     assert_allclose(taken[NORMAL_WORK], 0.5 * nodes.normal_mass[up] * nodes.velocity[up, 2] ** 2 - energy, rtol=1e-12)

@@ -91,9 +91,9 @@ def test_nodes_stand_on_the_wall_to_the_last_bit_and_none_passes_it(element: Ele
     method = fem(body, element, RELAXING, (rigid_wall(height, 0.1),), velocity)
     for _ in range(100):
         steps(method, 1)
-        assert_array_equal(method.nodes.position[method.nodes.pressed > 0, 2], height)
+        assert_array_equal(method.nodes.position[method.nodes.in_contact > 0, 2], height)
         assert method.nodes.position[:, 2].min() >= height
-        pressed += int(method.nodes.pressed.sum())
+        pressed += int(method.nodes.in_contact.sum())
     assert pressed > 10
 
 

@@ -80,10 +80,10 @@ def test_a_run_that_may_lose_points_says_so_and_gives_no_length(tmp_path: Path, 
 def test_a_length_whose_points_are_gone_is_not_a_number(lost: str, unknown: set[str]):
     body = rod_lattice(3.0, 10.0, 0.5)
     surface, position = body.surface, body.position.copy()
-    inner = np.setdiff1d(surface.foot[:, 0], surface.ring)
+    inner = np.setdiff1d(surface.impact_face[:, 0], surface.ring)
     place = {
         "ring": surface.ring[5, 0],
-        "tail": np.setdiff1d(surface.tail[:, 0], surface.ring)[0],
+        "tail": np.setdiff1d(surface.rear_face[:, 0], surface.ring)[0],
         "foot": inner[0],
         "inner": np.flatnonzero((np.hypot(*position[:, :2].T) < 1.0) & (np.abs(position[:, 2] - 5.0) < 1.0))[0],
     }[lost]

@@ -15,7 +15,7 @@ from viscopoint.methods.mpm.fills import MERIDIANS
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.shapes import SHAPES
 from viscopoint.methods.mpm.stencil import gradient, interpolate, scatter_with_force, stencil_at
-from viscopoint.methods.mpm.transfers import give_with_force, take
+from viscopoint.methods.mpm.transfers import g2p, p2g_with_force
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps
@@ -48,9 +48,9 @@ def test_rings_near_the_axis_keep_linear_fields_and_reach_no_node_beyond_it(shap
         assert_allclose((mean.x, mean.y, mean.z), [3 * place, 0, 2 - 0.7 * place + 1.3 * 1.23], atol=ROUNDING)
         a = np.array(gradient(field, method.grid, at, 1.0)).reshape(3, 3)
         assert_allclose(a, [[3, 0, 0], [0, 3, 0], [-0.7, 0, 1.3]], atol=ROUNDING / place)
-        method.grid.change[:] = 0.0
+        method.grid.force[:] = 0.0
         scatter_with_force(method.grid, at, 0.0, 0.0, 0.0, 0.0, Sym(1.0, 2.0, 3.0, 0.0, 0.0, 0.5))
-        forces = method.grid.change
+        forces = method.grid.force
         assert_array_equal(forces[r < 0.0], 0.0)
         # the work of what pulls is stress times strain
         work = np.array([[1, 0, 0.5], [0, 2, 0], [0.5, 0, 3]])
@@ -63,14 +63,14 @@ def test_uniform_stress_pulls_at_no_ring_of_nodes_inside(shape: str) -> None:
     cells = 8
     method = rings(cells, 4 * cells, shape=shape)
     points, grid = method.points, method.grid
-    grid.change[:] = 0.0
+    grid.force[:] = 0.0
     for p in range(len(points.mass)):
         pull = -points.volume[p] * grid.per_cell * Sym(1.0, 1.0, 2.0, 0.0, 0.0, 0.0)
         scatter_with_force(grid, surrounded(method, p), 0.0, 0.0, 0.0, points.mass[p], pull)
     r, z = places(method)
     inside = (r >= 0.0) & (r < cells - PAIR - 0.5) & (z > PAIR + 0.5) & (z < 2 * cells - PAIR - 0.5)
     mass = np.where(grid.momentum[:, 3] > 0.0, grid.momentum[:, 3], 1.0)
-    pulled = grid.change[:, :3] / mass[:, None] * method.material.density * grid.cell  # per stress
+    pulled = grid.force[:, :3] / mass[:, None] * method.material.density * grid.cell  # per stress
     pulled[r == 0.0, 0] = 0.0
     splines, beside = shape in ("cubic", "quadratic"), (r == 1.0) & inside
     assert_allclose(pulled[inside & ~(beside & splines)], 0.0, atol=10 * ROUNDING)
@@ -129,8 +129,8 @@ def test_affine_transfers_keep_a_uniform_gradient(name: str, shape: str) -> None
     field = np.column_stack([3.0 * r, 0.0 * r, 2.0 - 0.7 * r + 1.3 * z, 0.0 * r])
     grid.velocity[:], grid.momentum[:] = field, 0.0
     for p in range(len(points.mass)):
-        take(transfer, points, p, grid, surrounded(method, p))
-        give_with_force(transfer, points, p, grid, surrounded(method, p), Sym(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        g2p(transfer, points, p, grid, surrounded(method, p))
+        p2g_with_force(transfer, points, p, grid, surrounded(method, p), Sym(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     grid.geometry.mirror(grid, grid.momentum)
     m = grid.momentum[:, 3]
     assert_allclose(grid.momentum[:, :3], m[:, None] * field[:, :3], rtol=0, atol=ROUNDING * m.max() * 20)

@@ -206,7 +206,7 @@ def test_material_stays_on_the_wall_while_it_is_pressed(shape: str) -> None:
     method = rod(ELASTIC, (0.0, 0.0, -SPEED), WALL, lift=0.01, shape=shape, contact="gated", safety=0.05)
     flight = SPEED * method.stable_step()
     advance(method, 0.006)  # the wave is at the tail
-    points, foot = method.points, method.body.surface.foot[:, 0]
+    points, foot = method.points, method.body.surface.impact_face[:, 0]
     edge = points.position[foot, 2] - HALF * points.stretch[foot, 2]
     assert points.stretch[foot, 2].mean() < 0.93
     assert edge.max() < 0.01 * CELL

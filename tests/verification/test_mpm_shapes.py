@@ -115,7 +115,7 @@ def test_uniform_stress_pulls_at_inner_nodes_of_an_uneven_lattice_without_gimp(s
     method = uneven(shape, 2)
     method.points.material.stress[:, :3] = -pressure
     grid = scattered(method)
-    across = grid.change[:, 2].reshape(int(grid.nz), -1).sum(axis=1)  # of each plane of nodes
+    across = grid.force[:, 2].reshape(int(grid.nz), -1).sum(axis=1)  # of each plane of nodes
     height = grid.z0 + grid.cell * (grid.k0 + np.arange(len(across)))
     inside = (height > 0.5) & (height < 5.5)
     area = 9.0
@@ -129,11 +129,11 @@ def test_boxes_cut_by_the_circumference_pull_only_beside_it_with_gimp() -> None:
     method = rod(ELASTIC, shape="gimp", cell=CELL, lift=2.0, body=rod_trimmed(radius, 6.0, CELL / 2))
     method.points.material.stress[:, :3] = -pressure
     grid = scattered(method)
-    node = np.stack(np.unravel_index(np.arange(len(grid.change)), (int(grid.nz), int(grid.ny), int(grid.nx))))[::-1].T
+    node = np.stack(np.unravel_index(np.arange(len(grid.force)), (int(grid.nz), int(grid.ny), int(grid.nx))))[::-1].T
     x, y, z = (np.array(grid[:3]) + grid.cell * (node + [grid.i0, grid.j0, grid.k0])).T
     reach = 1.25 * CELL + CELL / 4  # of the shape function, and on to where the box of such a point ends
     deep = (np.hypot(np.abs(x) + reach, np.abs(y) + reach) < radius) & (np.abs(z - 5.0) < 3.0 - 1.25 * CELL)
-    force, scale = grid.change[:, :3], 100 * pressure * CELL**2
+    force, scale = grid.force[:, :3], 100 * pressure * CELL**2
     assert deep.sum() >= 15
     assert_allclose(force[deep], 0.0, atol=ROUNDING * scale)
     assert_allclose(force.sum(axis=0), 0.0, atol=ROUNDING * scale)
@@ -155,7 +155,7 @@ def test_uniform_stress_pulls_at_no_inner_node_of_a_stretched_lattice_with_boxes
     points.material.stress[:, :3] = -pressure
     method.restore(method.state())  # finds the points' cells
     grid = scattered(method)
-    across = grid.change[:, 2].reshape(int(grid.nz), -1).sum(axis=1)
+    across = grid.force[:, 2].reshape(int(grid.nz), -1).sum(axis=1)
     height = grid.z0 + grid.cell * (grid.k0 + np.arange(len(across)))
     inside = np.abs(height - middle) < middle * stretch - 1.5
     assert inside.sum() >= 2
@@ -218,7 +218,7 @@ def test_points_closer_to_the_box_than_half_their_size_keep_all_their_mass_and_f
     grid = scattered(method)
     mass = points.mass.sum()
     assert_allclose(grid.momentum.sum(axis=0), mass * np.array([1.0, 2.0, -3.0, 1.0]), rtol=ROUNDING)
-    assert_allclose(grid.change[:, :3].sum(axis=0), 0.0, atol=ROUNDING * np.abs(grid.change).sum())
+    assert_allclose(grid.force[:, :3].sum(axis=0), 0.0, atol=ROUNDING * np.abs(grid.force).sum())
 
 
 def test_wall_holds_what_reaches_beyond_it() -> None:

@@ -130,7 +130,7 @@ def test_walls_are_found_on_their_side_of_the_body() -> None:
         lift=1.0, shape="quadratic", walls=(rigid_wall(0.0, 0.0), symmetry_plane(0, 4.0), symmetry_plane(1, -3.0))
     )
     box_low, overhang = -6, 1
-    x, y, z = method.planes.around(method.grid)
+    x, y, z = method.planes.wall_planes(method.grid)
     assert (x, y, z) == ((NOWHERE, 4 - box_low + overhang), (-3 - box_low + overhang, NOWHERE), (overhang, NOWHERE))
     assert method.shape == Quadratic(*x, *y, *z)
 

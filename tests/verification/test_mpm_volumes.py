@@ -12,7 +12,7 @@ from viscopoint.materials.elastic import Elastic
 from viscopoint.methods.mpm.geometry import Box
 from viscopoint.methods.mpm.method import MaterialPointMethod
 from viscopoint.methods.mpm.shapes import SHAPES
-from viscopoint.methods.mpm.volumes import VOLUMES, pull
+from viscopoint.methods.mpm.volumes import VOLUMES, acting_stress
 
 pytestmark = pytest.mark.usefixtures("one_thread")
 ROUNDING = 100 * np.finfo(float).eps
@@ -54,8 +54,8 @@ def test_uniform_strain_gives_uniform_stress(volume: str, shape: str) -> None:
     slope, dt = np.random.default_rng(7).normal(size=(3, 3)), 1e-2
     method = strained(cube(volume, shape=shape), lambda *x: tuple(slope @ np.array(x)), dt)
     points = method.points
-    change = np.eye(3) + dt * slope
-    assert_allclose(points.shared.jacobian, np.linalg.det(change), rtol=10 * ROUNDING)
+    force = np.eye(3) + dt * slope
+    assert_allclose(points.shared.jacobian, np.linalg.det(force), rtol=10 * ROUNDING)
     # coordinates up to 8 cells, and the bulk modulus over the shear modulus, stand before the rounding
     assert_allclose(
         points.material.stress,
@@ -122,8 +122,8 @@ def test_all_points_of_a_cell_push_with_their_mean_pressure() -> None:
     points.material.stress[:] = random.normal(size=points.material.stress.shape)
     points.shared.viscous_pressure[:] = random.uniform(size=len(points.mass))
     points.shared.jacobian[:] = random.uniform(0.9, 1.1, len(points.mass))
-    shared = method.volume.pressed(points, method.grid)
-    found = np.array([components(pull(shared, points, p, method.grid)) for p in range(len(points.mass))])
+    shared = method.volume.of_pressure(points, method.grid)
+    found = np.array([components(acting_stress(shared, points, p, method.grid)) for p in range(len(points.mass))])
     own = points.material.stress[:, :3].mean(axis=1) - points.shared.viscous_pressure
     cell = np.floor(points.position).astype(int) @ [1, 10, 100]
     for name in np.unique(cell):
@@ -141,7 +141,7 @@ def test_work_of_shared_pressure_on_the_nodes_is_that_of_the_shared_dilatation()
     points, random = method.points, np.random.default_rng(6)
     tension = random.normal(size=len(points.mass))
     points.material.stress[:, :3] = tension[:, None]
-    force = scattered(method).change[:, :3].copy()
+    force = scattered(method).force[:, :3].copy()
     points.shared.viscous_pressure[:] = -tension  # keep for the account: it is what pulls, minus
     points.material.stress[:] = 0.0
     strained(method, swirl, dt)

@@ -61,7 +61,7 @@ def test_work_of_a_piston_is_what_its_column_has(make: Any) -> None:
 
 def simulation(method: Any, energy_error: float = 0.05) -> Simulation:
     """Return a simulation of a column until ``TIME``, as of a case; the rod that the case describes takes no part."""
-    surface = method.body.surface._replace(near=0.5 * CELL)
+    surface = method.body.surface._replace(contact_height=0.5 * CELL)
     method.body = method.body._replace(surface=surface)
     case = vp.Case.load("paper", {"time.end": f"{TIME} ms", "time.snapshots": []})
     return Simulation(Model(case.with_(guards={"energy_error": energy_error}), (method,)))

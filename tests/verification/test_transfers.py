@@ -175,7 +175,7 @@ def test_other_transfers_change_angular_momentum_as_derived(transfer: Any, shape
         before = before + (m * whirl(affine_of(method) @ see.inertia())).sum(axis=0)
     scale = np.abs(m * points.velocity).sum()
     method.advance(dt)
-    node, change = nodal(method, see.lumped), nodal(method, see.lumped, "change")
+    node, change = nodal(method, see.lumped), nodal(method, see.lumped, "dv")
     if isinstance(transfer, Flip) and transfer.pic == 0.0:
         lost = m * whirl(see.moments(change)) - dt * m * np.cross(points.grid_velocity, points.velocity)
     else:

@@ -31,18 +31,18 @@ _OF_POINTS, _OF_ELEMENTS = _MATERIAL.format("points"), _MATERIAL.format("element
 # MUSL and FLIP, every point its own volume, nodes in contact (``mpm.schemes``)
 _MPM = (
     Pass("zero", "", "grid.momentum"),
-    Pass("zero", "", "grid.change"),
+    Pass("zero", "", "grid.force"),
     Pass(
         "scatter_momentum_and_force",
         "grid.order points.position points.stretch points.material.stress points.shared.viscous_pressure "
-        "points.shared.jacobian points.volume points.mass points.velocity points.affine grid.momentum grid.change",
-        "grid.momentum grid.change",
+        "points.shared.jacobian points.volume points.mass points.velocity points.affine grid.momentum grid.force",
+        "grid.momentum grid.force",
     ),
-    Pass("solve", "grid.momentum grid.change", "grid.velocity grid.change"),
+    Pass("divide_with_force", "grid.momentum grid.force", "grid.velocity grid.dv"),
     Pass("zero", "", "grid.momentum"),
     Pass(
         "gather_velocity_and_remap",
-        "grid.order points.position points.stretch points.mass points.velocity grid.velocity grid.change grid.momentum",
+        "grid.order points.position points.stretch points.mass points.velocity grid.velocity grid.dv grid.momentum",
         "points.velocity points.grid_velocity points.affine grid.momentum",
     ),
     Pass("divide", "grid.momentum", "grid.velocity"),
@@ -59,11 +59,11 @@ _MPM = (
 # central differences (``integrators``)
 _KICK = Pass("kick", "nodes.velocity nodes.force nodes.mass nodes.inverse_mass nodes.normal_mass", "nodes.velocity")
 _DRIFT = Pass("drift", "nodes.position nodes.velocity", "nodes.position nodes.force")
-_MEET = Pass("meet", "nodes.normal_mass nodes.position nodes.velocity", "nodes.pressed")
-_STAND = Pass("stand_still", "nodes.normal_mass", "")
+_CONTACT = Pass("detect_contact", "nodes.normal_mass nodes.position nodes.velocity", "nodes.in_contact")
+_REST = Pass("update_rows", "nodes.normal_mass", "")
 _TLMPM = (
     _KICK,
-    _MEET,
+    _CONTACT,
     _DRIFT,
     Pass(
         "multiply out",
@@ -83,7 +83,7 @@ _TLMPM = (
         "nodes.force",
     ),
     _KICK,
-    _STAND,
+    _REST,
 )
 _STRAIN_READS = (
     "slabs.order elements.shared.alive elements.corner elements.volume nodes.position nodes.velocity nodes.force "
@@ -97,19 +97,19 @@ PASSES: dict[str, tuple[Pass, ...]] = {
     "tlmpm": _TLMPM,
     "fem, one-point": (
         _KICK,
-        _MEET,
+        _CONTACT,
         _DRIFT,
         Pass("strain_elements", f"{_STRAIN_READS} {_HOURGLASS}", f"{_STRAIN_WRITES} {_HOURGLASS}"),
         _KICK,
-        _STAND,
+        _REST,
     ),
     "fem, selective": (
         _KICK,
-        _MEET,
+        _CONTACT,
         _DRIFT,
         Pass("strain_elements", _STRAIN_READS, _STRAIN_WRITES),
         _KICK,
-        _STAND,
+        _REST,
     ),
 }
 

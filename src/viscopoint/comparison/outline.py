@@ -29,17 +29,17 @@ def outline(run: Run, snapshot: Snapshot) -> Array:
     height, radius = run.profile(snapshot)
     side = np.column_stack([radius, height])
     side = side[np.isfinite(side).all(axis=1)]
-    reach = run.body.surface.reach
-    if reach > 0.0 and len(side) > 1:
-        foot, tail = side[0] + reach * (side[0] - side[1]), side[-1] + reach * (side[-1] - side[-2])
-        side = np.vstack([foot, side, tail])
+    overhang = run.body.surface.end_overhang
+    if overhang > 0.0 and len(side) > 1:
+        first, last = side[0] + overhang * (side[0] - side[1]), side[-1] + overhang * (side[-1] - side[-2])
+        side = np.vstack([first, side, last])
     return np.vstack([[0.0, side[0, 1]], side, [0.0, side[-1, 1]]]) if len(side) else np.empty((0, 2))
 
 
 def whole(run: Run, snapshot: Snapshot) -> Array:
     """Return the outline, or none if points that show it are lost."""
     surface = run.body.surface
-    shown = np.concatenate([surface.ring[surface.ring >= 0], surface.tail.ravel(), surface.foot.ravel()])
+    shown = np.concatenate([surface.ring[surface.ring >= 0], surface.rear_face.ravel(), surface.impact_face.ravel()])
     return np.empty((0, 2)) if snapshot["lost"][shown].any() else outline(run, snapshot)
 
 

@@ -23,7 +23,7 @@ SLICE = 0.6  # half the thickness of the slice that is shown of a rod cut open, 
 def outside(run: Reader, snapshot: Snapshot) -> Indices:
     """Return the points of the rod's surface."""
     surface = run.body.surface
-    return np.unique(np.concatenate([surface.ring.ravel(), surface.tail[:, 0], surface.foot[:, 0]]))
+    return np.unique(np.concatenate([surface.ring.ravel(), surface.rear_face[:, 0], surface.impact_face[:, 0]]))
 
 
 def cut_open(run: Reader, snapshot: Snapshot) -> Indices:

@@ -60,7 +60,7 @@ def halves(cells: Indices, count: int) -> Revolved:
 def surface_points(body: Body, coarser: int = 1) -> Revolved:
     """Return the points of the body's surface, turned as often as they are spaced; ``coarser``: fewer of them."""
     surface, apart = body.surface, coarser * spacing(body)
-    every = np.concatenate([surface.ring.ravel(), surface.tail[:, 0], surface.foot[:, 0]])
+    every = np.concatenate([surface.ring.ravel(), surface.rear_face[:, 0], surface.impact_face[:, 0]])
     points = np.unique(every[every >= 0])
     if coarser > 1:
         block = np.floor(body.position[points] / apart + 1e-6)

@@ -1,9 +1,9 @@
 """Central differences (velocity Verlet), staged over all bodies: one step, and one solution of all constraints.
 
-Velocities are known at the same times as positions. Half a step's force sets the nodes off; where they arrive, strain
-becomes force; the other half brings the velocity up to date. Constraints act on both halves: what would pass a wall
-arrives exactly on it, and what stands on one does not move into it. A body of material points has grid velocities in
-the place of the nodes', and all of its kick in the first half.
+Velocities are known at the same times as positions. Half a step's force changes velocities, these move the nodes, the
+strain of the step gives the new force, and the other half of the step's force changes velocities once more.
+Constraints act on both halves: what would pass a wall arrives exactly on it, and what stands on one does not move into
+it. A body of material points has grid velocities in the place of the nodes', and all of its kick in the first half.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from viscopoint.interactions.rows import REACTIONS, Rows, empty_rows, relax_bounds, solve
+from viscopoint.interactions.rows import REACTIONS, Rows, empty_rows, fix_active_set, solve
 from viscopoint.kernels.arrays import Array
 
 
@@ -51,7 +51,7 @@ class Body(Protocol):
         """Bring the rows' velocities up to date."""
         ...
 
-    def arrive(self, rows: Rows, number: int) -> None:
+    def correct_velocity(self, rows: Rows, number: int) -> None:
         """Take the velocities that the rows leave."""
         ...
 
@@ -69,7 +69,7 @@ class CentralDifferences:
             part[:] = body.reactions
             body.reactions = part
 
-    def moves(self, body: Body) -> bool:
+    def drives(self, body: Body) -> bool:
         """Return whether a body's reactions are still told here, and not to another integrator that took it over."""
         return any(body is one and body.reactions.base is self._reactions for one in self.bodies)
 
@@ -92,10 +92,10 @@ class CentralDifferences:
         for number, body in enumerate(bodies):
             body.constrain_again(rows, number, dt)
         if rows.size[0]:
-            relax_bounds(rows)
+            fix_active_set(rows)
         self._solve(rows, ends)
         for number, body in enumerate(bodies):
-            body.arrive(rows, number)
+            body.correct_velocity(rows, number)
         self._rows = rows
 
     def _solve(self, rows: Rows, ends: list[int]) -> None:

@@ -1,13 +1,13 @@
-"""Planes and the nodes of a mesh, or of a total Lagrangian grid: which rows there are, and who hands its mass on.
+"""Planes and the nodes of a mesh, or of a total Lagrangian grid: contact, its rows, and redistributed mass.
 
 A node that would pass a wall arrives exactly on it, and is free as soon as it is pulled.
 
 **Redistributed mass.** The plane of nodes that meets a wall first may have partners, the nodes behind it. If such a
 node stopped with the mass of half a cell, that mass's kinetic energy would be gone: 2 % of the paper's rod at 20 µs. So
-a node on the wall has no inertia of its own along the normal (mass redistribution; Khenous, Laborde & Renard 2008): as
-it touches, its momentum and its mass along the normal go to the partner, and come back, at that node's velocity, as it
-leaves. In between the wall answers to the force on the node alone. Nodes without partner, and those of sides that roll
-onto the wall, are stopped as they are.
+a node on the wall has no inertia of its own along the normal (mass redistribution; Khenous, Laborde & Renard 2008): at
+first contact its momentum and its mass along the normal go to the partner, and come back, at that node's velocity, as
+it leaves. In between the wall answers to the force on the node alone. Nodes without partner, and those of sides that
+roll onto the wall, are stopped as they are.
 """
 
 from collections.abc import Sequence
@@ -43,32 +43,31 @@ class PlanesOnNodes:
         self.interactions = tuple(interactions)
         self.slot_of = np.full(len(nodes.mass), -1)
         self.reactions = np.zeros((len(self.interactions), REACTIONS))  # of each, since the start
-        planes = [(number, each.plane, _held(each, nodes.position)) for number, each in enumerate(interactions)]
+        planes = [(number, each.plane, _nodes_on(each, nodes.position)) for number, each in enumerate(interactions)]
         self._planes = sorted(planes, key=lambda each: each[1].two_sided)  # walls first: they may hand mass on
 
-    def find(self, rows: Rows, body: int, first: int, nodes: Nodes, time: float, flight: float) -> Rows:
+    def add_rows(self, rows: Rows, body: int, first: int, nodes: Nodes, dt: float) -> Rows:
         """Add the rows of all planes to those of other bodies.
 
         Args:
             rows: to add to; the interactions' numbers in it begin at ``first``.
             body: the body's number.
             first: the number of its first interaction.
-            nodes: the body's, with the velocity that ``time`` of their force has made.
-            time: half a step [ms].
-            flight: how long nodes will move with that velocity [ms].
+            nodes: the body's, with the velocity that half a step of their force has made.
+            dt: the step, in which nodes will move with that velocity [ms].
         """
-        for order, (number, plane, held) in enumerate(self._planes):
+        for order, (number, plane, found) in enumerate(self._planes):
             if not plane.two_sided:
-                approach(nodes, plane, flight)
-                held = np.flatnonzero(nodes.pressed)
-            if len(held):
-                rows, owner, redistributes = with_room(rows, len(held)), first + number, order == 0
-                work = self.reactions[number]
-                meet(nodes, plane, redistributes, held, self.slot_of, rows, body, owner, time, flight, work)
+                detect_contact(nodes, plane, dt)
+                found = np.flatnonzero(nodes.in_contact)
+            if len(found):
+                rows, owner, redistributes = with_room(rows, len(found)), first + number, order == 0
+                reactions = self.reactions[number]
+                add_contact_rows(nodes, plane, redistributes, found, self.slot_of, rows, body, owner, dt, reactions)
         return rows
 
 
-def _held(interaction: Interaction, position: Array) -> Indices:
+def _nodes_on(interaction: Interaction, position: Array) -> Indices:
     """Return the nodes that a plane holds for good."""
     plane = interaction.plane
     normal, point = np.array(plane.normal), np.array(plane.point)
@@ -82,53 +81,53 @@ def _held(interaction: Interaction, position: Array) -> Indices:
 
 
 @kernel()
-def approach(part: int, nodes: Nodes, plane: Plane, flight: float) -> None:
-    """Note which nodes would pass a wall within ``flight``, or stand on it."""
+def detect_contact(part: int, nodes: Nodes, plane: Plane, dt: float) -> None:
+    """Note which nodes would pass a wall in this step, or stand on it."""
     normal, point = read_vector(plane.normal), read_vector(plane.point)
     for n in chunk(part, PARTS, len(nodes.mass)):
         gap = dot(read_vector(nodes.position[n]) - point, normal)
-        passes = dot(read_vector(nodes.velocity[n]), normal) < plane.speed - gap / flight
-        nodes.pressed[n] = passes or nodes.normal_mass[n] == 0.0
+        passes = dot(read_vector(nodes.velocity[n]), normal) < plane.speed - gap / dt
+        nodes.in_contact[n] = passes or nodes.normal_mass[n] == 0.0
 
 
 @serial_kernel
-def meet(
+def add_contact_rows(
     nodes: Nodes, plane: Plane, redistributes: bool, found: Indices, slot_of: Indices, rows: Rows, body: int,
-    owner: int, time: float, flight: float, reactions: Array,
+    owner: int, dt: float, reactions: Array,
 ) -> None:  # fmt: skip
-    """Let a plane act on nodes that it holds, or that are on it or would pass it within ``flight``.
+    """Add rows for nodes that a plane holds, or that are on it or would pass it in this step.
 
     ``redistributes``: whether mass goes to partners on this wall, the first one.
     """
-    normal, point = read_vector(plane.normal), read_vector(plane.point)
-    rests = redistributes and not plane.two_sided
-    if rests:
+    normal, point, time = read_vector(plane.normal), read_vector(plane.point), 0.5 * dt
+    redistributed = redistributes and not plane.two_sided
+    if redistributed:
         for n in found:
-            least = least_speed(nodes, n, plane, flight)
+            least = least_speed(nodes, n, plane, dt)
             if nodes.normal_mass[n] == 0.0:
-                given = rest(nodes, n, normal, plane.speed, time)
+                given = resting_contact(nodes, n, normal, plane.speed, time)
             elif nodes.partner[n] >= 0 and dot(read_vector(nodes.velocity[n]), normal) < least:
-                given = touch(nodes, n, least, reactions)
+                given = first_contact(nodes, n, least, reactions)
             else:
                 continue
             if nodes.normal_mass[n] == 0.0:
                 s: Any = slot_of_node(nodes, n, slot_of, rows, body, time)
                 add_row(rows, s, owner, normal, point, plane.speed, plane.friction, False, given)
     for n in found:
-        least = least_speed(nodes, n, plane, flight)
+        least = least_speed(nodes, n, plane, dt)
         passes = plane.two_sided or dot(read_vector(nodes.velocity[n]), normal) < least
-        if passes and not (rests and nodes.normal_mass[n] == 0.0):
+        if passes and not (redistributed and nodes.normal_mass[n] == 0.0):
             s: Any = slot_of_node(nodes, n, slot_of, rows, body, time)
             add_row(rows, s, owner, normal, point, least, plane.friction, plane.two_sided, -1.0)
 
 
 @inline
-def least_speed(nodes: Nodes, n: int, plane: Plane, flight: float) -> float:
+def least_speed(nodes: Nodes, n: int, plane: Plane, dt: float) -> float:
     """Return the speed along a plane's normal that leads a node just onto it, or with it."""
     if plane.two_sided:
         return plane.speed
     gap = dot(read_vector(nodes.position[n]) - read_vector(plane.point), read_vector(plane.normal))
-    return plane.speed - gap / flight
+    return plane.speed - gap / dt
 
 
 @inline
@@ -152,21 +151,21 @@ def load_node(nodes: Nodes, n: int, rows: Rows, s: Any, time: float) -> None:
 
 
 @serial_kernel
-def resume(nodes: Nodes, rows: Rows, body: int, time: float) -> None:
-    """Bring up to date what rows know of a body's nodes, and balance nodes that rest on a wall."""
+def update_rows(nodes: Nodes, rows: Rows, body: int, time: float) -> None:
+    """Bring up to date what rows know of a body's nodes, and balance nodes in resting contact."""
     for r in range(rows.size[0]):
         s = rows.slot[rows.start[r]]
         if rows.node[s, 0] == body and rows.row[r, of_rows.GIVEN] >= 0.0:
             n: Any = rows.node[s, 1]
             normal, speed = read_vector(rows.row[r], of_rows.NORMAL), rows.row[r, of_rows.LEAST]
-            rows.row[r, of_rows.GIVEN] = rest(nodes, n, normal, speed, time)
+            rows.row[r, of_rows.GIVEN] = resting_contact(nodes, n, normal, speed, time)
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             load_node(nodes, rows.node[s, 1], rows, s, time)
 
 
 @serial_kernel
-def take_velocity(nodes: Nodes, rows: Rows, body: int) -> None:
+def correct_velocity(nodes: Nodes, rows: Rows, body: int) -> None:
     """Let the nodes have the velocity that their slots have."""
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
@@ -174,28 +173,28 @@ def take_velocity(nodes: Nodes, rows: Rows, body: int) -> None:
 
 
 @serial_kernel
-def settle(nodes: Nodes, rows: Rows, body: int, slot_of: Indices) -> None:
+def stop_nodes(nodes: Nodes, rows: Rows, body: int, slot_of: Indices) -> None:
     """Put the nodes that a wall has stopped onto it, to the last bit."""
     for r in range(rows.size[0]):
         s, row = rows.slot[rows.start[r]], rows.row[r]
         stopped = row[of_rows.LAMBDA] > 0.0 or row[of_rows.GIVEN] >= 0.0
         if rows.node[s, 0] == body and row[of_rows.TWO_SIDED] == 0.0 and stopped:
             n: Any = rows.node[s, 1]
-            onto(nodes, n, read_vector(row, of_rows.NORMAL), read_vector(row, of_rows.POINT))
+            project(nodes, n, read_vector(row, of_rows.NORMAL), read_vector(row, of_rows.POINT))
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             slot_of[rows.node[s, 1]] = -1
 
 
 @inline
-def onto(nodes: Nodes, n: int, normal: Vec, point: Vec) -> None:
-    """Put a node onto a plane."""
+def project(nodes: Nodes, n: int, normal: Vec, point: Vec) -> None:
+    """Project a node onto a plane."""
     place = read_vector(nodes.position[n])
     write_vector(nodes.position[n], place - dot(place - point, normal) * normal)
 
 
 @inline
-def rest(nodes: Nodes, n: int, normal: Vec, speed: float, time: float) -> float:
+def resting_contact(nodes: Nodes, n: int, normal: Vec, speed: float, time: float) -> float:
     """Keep a node without mass along the normal on its wall, and return the impulse that balances its force.
 
     Where that would take a pull the node has its mass back, the partner's speed, and no impulse.
@@ -208,14 +207,14 @@ def rest(nodes: Nodes, n: int, normal: Vec, speed: float, time: float) -> float:
         m, other = nodes.mass[n], nodes.partner[n]
         nodes.normal_mass[other] -= m
         nodes.normal_mass[n] = m
-        nodes.pressed[n] = 0
+        nodes.in_contact[n] = 0
         along = dot(read_vector(nodes.velocity[other]), normal) + time / m * force
     write_vector(nodes.velocity[n], velocity + (along - dot(velocity, normal)) * normal)
     return 0.0 if force > 0.0 else -time * force
 
 
 @inline
-def touch(nodes: Nodes, n: int, least: float, reactions: Array) -> float:
+def first_contact(nodes: Nodes, n: int, least: float, reactions: Array) -> float:
     """Hand momentum and mass along the normal to the partner; what their difference in speed was worth is lost.
 
     Returns the impulse of the wall: none.

@@ -118,9 +118,9 @@ def solve(rows: Rows, begin: int, end: int, reactions: Array) -> None:
         rows.row[r, LAMBDA] = max(rows.row[r, GIVEN], 0.0)
         for k in range(rows.start[r], rows.start[r + 1]):
             least, most = min(least, rows.slot[k]), max(most, rows.slot[k])
-    alone = rows.start[end] - rows.start[begin] == most - least + 1  # each slot in one row
+    independent = rows.start[end] - rows.start[begin] == most - least + 1  # each slot in one row
     first = 0.0
-    for sweep in range(1 if alone else SWEEPS):
+    for sweep in range(1 if independent else SWEEPS):
         change = 0.0
         for r in range(begin, end):
             change = max(change, _relax(rows, r))
@@ -129,12 +129,12 @@ def solve(rows: Rows, begin: int, end: int, reactions: Array) -> None:
         elif change <= CLOSE * first:
             break
     for r in range(begin, end):
-        _account(rows, r, reactions[rows.owner[r]])
+        _add_reaction(rows, r, reactions[rows.owner[r]])
 
 
 @serial_kernel
-def relax_bounds(rows: Rows) -> None:
-    """Let one-sided rows hold what they have stopped, and nothing else: for the second half of a step."""
+def fix_active_set(rows: Rows) -> None:
+    """Let one-sided rows that are active stay so, and no others act: for the second half of a step."""
     for r in range(rows.size[0]):
         if rows.row[r, TWO_SIDED] == 0.0 and rows.row[r, GIVEN] < 0.0:
             rows.row[r, LEAST] = 0.0 if rows.row[r, LAMBDA] > 0.0 else -np.inf
@@ -142,7 +142,7 @@ def relax_bounds(rows: Rows) -> None:
 
 @called
 def _relax(rows: Rows, r: int) -> float:
-    """Let row r take what its nodes lack; return the change of its velocity [mm/ms]."""
+    """Make row r hold by impulses, as if it were alone; return the change of its velocity [mm/ms]."""
     row, change = rows.row[r], 0.0
     normal = read_vector(row, NORMAL)
     if row[GIVEN] < 0.0:
@@ -157,14 +157,14 @@ def _relax(rows: Rows, r: int) -> float:
         if row[TWO_SIDED] == 0.0:
             lacking = max(lacking, -before * inverse)  # λ >= 0
         row[LAMBDA] = before + lacking / inverse
-        _push(rows, r, normal, lacking, inverse)
+        _apply_impulse(rows, r, normal, lacking, inverse)
         change = abs(lacking)
-    return change + (_rub(rows, r, normal) if row[FRICTION] > 0.0 and row[LAMBDA] > 0.0 else 0.0)
+    return change + (_apply_friction(rows, r, normal) if row[FRICTION] > 0.0 and row[LAMBDA] > 0.0 else 0.0)
 
 
 @called
-def _rub(rows: Rows, r: int, normal: Vec) -> float:
-    """Let friction take what slides, as far as the cone allows; return the change of velocity [mm/ms]."""
+def _apply_friction(rows: Rows, r: int, normal: Vec) -> float:
+    """Apply row r's friction, within the cone; return the change of velocity [mm/ms]."""
     row = rows.row[r]
     sliding = Vec(0.0, 0.0, 0.0)
     for k in range(rows.start[r], rows.start[r + 1]):
@@ -188,17 +188,17 @@ def _rub(rows: Rows, r: int, normal: Vec) -> float:
             motion = rows.motion[rows.slot[rows.start[r]]]
             write_vector(motion, read_vector(motion, VELOCITY) - sliding, VELOCITY)
         else:
-            _push(rows, r, sliding, -1.0, inverse)
+            _apply_impulse(rows, r, sliding, -1.0, inverse)
         return speed
     now = (most / size) * wanted
     write_vector(row, now, TANGENTIAL)
-    _push(rows, r, inverse * (now - before), 1.0, inverse)
+    _apply_impulse(rows, r, inverse * (now - before), 1.0, inverse)
     return inverse * np.sqrt(dot(now - before, now - before))
 
 
 @called
-def _push(rows: Rows, r: int, direction: Vec, change: float, inverse: float) -> None:
-    """Let the row's velocity have ``change`` along a direction: what a mass of 1/``inverse`` would.
+def _apply_impulse(rows: Rows, r: int, direction: Vec, change: float, inverse: float) -> None:
+    """Apply the impulse that changes the row's velocity by ``change`` along a direction, of a mass of 1/``inverse``.
 
     The masses' ratio comes first, so that a lone node that is stopped stands still to the last bit.
     """
@@ -226,8 +226,8 @@ def _inverse_along(motion: Array, n: Vec) -> float:
 
 
 @called
-def _account(rows: Rows, r: int, reactions: Array) -> None:
-    """Add what a row did to its nodes.
+def _add_reaction(rows: Rows, r: int, reactions: Array) -> None:
+    """Add the impulse and the work of a row.
 
     Works are taken with the mean v̄ of the velocities before and after all impulses of this part of a step. The body's
     own force, of impulse F in it, is counted with the velocity v after, with which the body moves: what that lacks,

@@ -74,7 +74,7 @@ def _opened(parent: Path) -> Path:
     folder = Path(os.path.realpath(parent), _name())  # links may be led elsewhere after we have looked
     _check_way(folder.parent)
     if not os.path.lexists(folder):
-        _forget_unused(folder.parent)
+        _remove_unused(folder.parent)
         _make(folder)
         _check_way(folder.parent)  # somebody may have been faster
     _check_inside(folder)
@@ -141,7 +141,7 @@ def _private() -> Path:
     return folder
 
 
-def _forget_unused(parent: Path) -> None:
+def _remove_unused(parent: Path) -> None:
     """Remove the kernels of states of the sources that nobody ran for long."""
     for folder in parent.glob("kernels-" + 16 * "[0-9a-f]"):
         with contextlib.suppress(OSError):

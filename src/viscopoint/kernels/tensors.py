@@ -17,9 +17,9 @@ from viscopoint.kernels.values import (
     accumulated,
     fetched,
     fma,
-    hold_as_lanes,
-    hold_as_struct,
     inside_kernels,
+    register_float4,
+    register_struct,
     scaled,
     stored,
     summed,
@@ -326,24 +326,24 @@ def von_mises(stress: Sym) -> float:
 
 
 @inline
-def rotated(a: Sym, turn: Matrix) -> Sym:
-    """Return Q a Qᵀ for the rotation Q = turn."""
-    xx = inner(turn.xx, a.xx, turn.xy, a.xy, turn.xz, a.zx)  # Q a, row by row
-    xy = inner(turn.xx, a.xy, turn.xy, a.yy, turn.xz, a.yz)
-    xz = inner(turn.xx, a.zx, turn.xy, a.yz, turn.xz, a.zz)
-    yx = inner(turn.yx, a.xx, turn.yy, a.xy, turn.yz, a.zx)
-    yy = inner(turn.yx, a.xy, turn.yy, a.yy, turn.yz, a.yz)
-    yz = inner(turn.yx, a.zx, turn.yy, a.yz, turn.yz, a.zz)
-    zx = inner(turn.zx, a.xx, turn.zy, a.xy, turn.zz, a.zx)
-    zy = inner(turn.zx, a.xy, turn.zy, a.yy, turn.zz, a.yz)
-    zz = inner(turn.zx, a.zx, turn.zy, a.yz, turn.zz, a.zz)
+def rotated(a: Sym, q: Matrix) -> Sym:
+    """Return Q a Qᵀ for the rotation Q = q."""
+    xx = inner(q.xx, a.xx, q.xy, a.xy, q.xz, a.zx)  # Q a, row by row
+    xy = inner(q.xx, a.xy, q.xy, a.yy, q.xz, a.yz)
+    xz = inner(q.xx, a.zx, q.xy, a.yz, q.xz, a.zz)
+    yx = inner(q.yx, a.xx, q.yy, a.xy, q.yz, a.zx)
+    yy = inner(q.yx, a.xy, q.yy, a.yy, q.yz, a.yz)
+    yz = inner(q.yx, a.zx, q.yy, a.yz, q.yz, a.zz)
+    zx = inner(q.zx, a.xx, q.zy, a.xy, q.zz, a.zx)
+    zy = inner(q.zx, a.xy, q.zy, a.yy, q.zz, a.yz)
+    zz = inner(q.zx, a.zx, q.zy, a.yz, q.zz, a.zz)
     return Sym(
-        inner(xx, turn.xx, xy, turn.xy, xz, turn.xz),
-        inner(yx, turn.yx, yy, turn.yy, yz, turn.yz),
-        inner(zx, turn.zx, zy, turn.zy, zz, turn.zz),
-        inner(xx, turn.yx, xy, turn.yy, xz, turn.yz),
-        inner(yx, turn.zx, yy, turn.zy, yz, turn.zz),
-        inner(zx, turn.xx, zy, turn.xy, zz, turn.xz),
+        inner(xx, q.xx, xy, q.xy, xz, q.xz),
+        inner(yx, q.yx, yy, q.yy, yz, q.yz),
+        inner(zx, q.zx, zy, q.zy, zz, q.zz),
+        inner(xx, q.yx, xy, q.yy, xz, q.yz),
+        inner(yx, q.zx, yy, q.zy, yz, q.zz),
+        inner(zx, q.xx, zy, q.xy, zz, q.xz),
     )
 
 
@@ -423,7 +423,7 @@ def steepest(a: Sym) -> float:
 
 # --- inside kernels --------------------------------------------------------------------------------------------------
 
-_VEC, _FLOAT4, _SYM = hold_as_struct(Vec), hold_as_lanes(Float4), hold_as_struct(Sym)
+_VEC, _FLOAT4, _SYM = register_struct(Vec), register_float4(Float4), register_struct(Sym)
 inside_kernels(operator.add, _add_vectors, _VEC, _VEC)
 inside_kernels(operator.sub, _subtract_vectors, _VEC, _VEC)
 inside_kernels(operator.mul, _scale_vector, types.Number, _VEC)

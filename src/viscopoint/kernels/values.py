@@ -1,6 +1,6 @@
 """Small classes of floats as values inside kernels, so that they live in registers.
 
-``hold_as_struct`` lets kernels construct a frozen dataclass and read its fields; ``hold_as_lanes`` does the same for
+``register_struct`` lets kernels construct a frozen dataclass and read its fields; ``register_float4`` does the same for
 one of four fields, in one vector register, of which an operation handles all at once.
 """
 
@@ -27,12 +27,12 @@ from numba.extending import (
 
 from viscopoint.kernels.jit import INLINED
 
-LANES = ir.VectorType(ir.DoubleType(), 4)
+FLOAT4 = ir.VectorType(ir.DoubleType(), 4)
 _KINDS: dict[type, Any] = {}  # Numba's types of the classes
 ATTRIBUTES: Any = {"strict": False, "jit_options": INLINED}
 
 
-def hold_as_struct(value: type) -> type:
+def register_struct(value: type) -> type:
     """Let kernels hold a class as a struct; return its Numba type."""
     names = [field.name for field in fields(value)]
     kind = _declared(value)
@@ -55,18 +55,18 @@ def hold_as_struct(value: type) -> type:
     return kind
 
 
-def hold_as_lanes(value: type) -> type:
+def register_float4(value: type) -> type:
     """Let kernels hold a class of four fields in one vector register; return its Numba type."""
     kind = _declared(value)
 
     @register_model(kind)
     class Model(models.PrimitiveModel):
         def __init__(self, manager: Any, kind: Any) -> None:
-            super().__init__(manager, kind, LANES)
+            super().__init__(manager, kind, FLOAT4)
 
     @lower_builtin(value, types.Any, types.Any, types.Any, types.Any)
     def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        packed = ir.Constant(LANES, ir.Undefined)
+        packed = ir.Constant(FLOAT4, ir.Undefined)
         for number, (given, given_kind) in enumerate(zip(values, signature.args, strict=True)):
             packed = builder.insert_element(
                 packed, context.cast(builder, given, given_kind, types.float64), _at(number)
@@ -74,7 +74,7 @@ def hold_as_lanes(value: type) -> type:
         return packed
 
     for number, field in enumerate(fields(value)):
-        _read_lane(kind, field.name, number)
+        _register_component(kind, field.name, number)
     return kind
 
 
@@ -94,7 +94,7 @@ def inside_kernels(symbol: Any, implementation: Callable[..., Any], *kinds: type
 
 
 def summed() -> Any:
-    """Return a function of two values held as lanes that adds them."""
+    """Return a function of two values in a vector register that adds them."""
 
     @intrinsic
     def add(context: Any, a: Any, b: Any) -> Any:
@@ -107,14 +107,14 @@ def summed() -> Any:
 
 
 def scaled() -> Any:
-    """Return a function of a number and a value held as lanes."""
+    """Return a function of a number and a value in a vector register."""
 
     @intrinsic
     def scale(context: Any, factor: Any, vector: Any) -> Any:
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             number = context.cast(builder, values[0], signature.args[0], types.float64)
-            first = builder.insert_element(ir.Constant(LANES, ir.Undefined), number, _at(0))
-            return builder.fmul(_in_all_lanes(builder, first), values[1])
+            first = builder.insert_element(ir.Constant(FLOAT4, ir.Undefined), number, _at(0))
+            return builder.fmul(_broadcast(builder, first), values[1])
 
         return vector(factor, vector), lower
 
@@ -133,7 +133,7 @@ def fma(a: float, b: Any, c: Any) -> Any:
 @intrinsic
 def _fma(context: Any, a: Any, b: Any, c: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return _fused(builder, *values)
+        return _fma_call(builder, *values)
 
     return types.float64(types.float64, types.float64, types.float64), lower
 
@@ -146,28 +146,28 @@ inside_kernels(fma, _fma_numbers, types.Number, types.Number, types.Number)
 
 
 def accumulated() -> Any:
-    """Return a function of a weight, a value and a sum, both held as lanes, that is weight value + sum."""
+    """Return a function of a weight, a value and a sum, both in a vector register, that is weight value + sum."""
 
     @intrinsic
     def accumulate(context: Any, weight: Any, vector: Any, total: Any) -> Any:
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             number = context.cast(builder, values[0], signature.args[0], types.float64)
-            first = builder.insert_element(ir.Constant(LANES, ir.Undefined), number, _at(0))
-            return _fused(builder, _in_all_lanes(builder, first), values[1], values[2])
+            first = builder.insert_element(ir.Constant(FLOAT4, ir.Undefined), number, _at(0))
+            return _fma_call(builder, _broadcast(builder, first), values[1], values[2])
 
         return total(weight, vector, total), lower
 
     return lambda a, b, c: accumulate(a, b, c)  # pyright: ignore[reportCallIssue]
 
 
-def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
+def _fma_call(builder: Any, a: Any, b: Any, c: Any) -> Any:
     name = "llvm.fma.v4f64" if isinstance(a.type, ir.VectorType) else "llvm.fma.f64"
     kind = ir.FunctionType(a.type, [a.type] * 3)
     return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), [a, b, c])
 
 
 def fetched(value: type) -> Any:
-    """Return a function of rows ``[n, 4]`` and n that reads a value held as lanes at once."""
+    """Return a function of rows ``[n, 4]`` and n that reads a whole register."""
 
     @intrinsic
     def fetch(context: Any, rows: Any, number: Any) -> Any:
@@ -182,7 +182,7 @@ def fetched(value: type) -> Any:
 
 
 def stored() -> Any:
-    """Return a function of rows ``[n, 4]``, n and a value held as lanes that writes it at once."""
+    """Return a function of rows ``[n, 4]``, n and a register that writes it."""
 
     @intrinsic
     def store(context: Any, rows: Any, number: Any, vector: Any) -> Any:
@@ -199,7 +199,7 @@ def _place(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     """Return the address of a row of four numbers."""
     rows = context.make_array(signature.args[0])(context, builder, values[0])
     first = builder.mul(values[1], ir.Constant(values[1].type, 4))
-    return builder.bitcast(builder.gep(rows.data, [first]), LANES.as_pointer())
+    return builder.bitcast(builder.gep(rows.data, [first]), FLOAT4.as_pointer())
 
 
 def _declared(value: type) -> type:
@@ -226,7 +226,7 @@ def _declared(value: type) -> type:
     return ValueType
 
 
-def _read_lane(kind: type, name: str, number: int) -> None:
+def _register_component(kind: type, name: str, number: int) -> None:
     @intrinsic
     def extract(context: Any, vector: Any) -> Any:
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
@@ -243,9 +243,9 @@ def _at(number: int) -> ir.Constant:
     return ir.Constant(ir.IntType(32), number)
 
 
-def _in_all_lanes(builder: Any, vector: Any) -> Any:
+def _broadcast(builder: Any, vector: Any) -> Any:
     mask = ir.Constant(ir.VectorType(ir.IntType(32), 4), [0] * 4)
-    return builder.shuffle_vector(vector, ir.Constant(LANES, ir.Undefined), mask)
+    return builder.shuffle_vector(vector, ir.Constant(FLOAT4, ir.Undefined), mask)
 
 
 def pick(values: tuple[float, ...], n: int) -> float:

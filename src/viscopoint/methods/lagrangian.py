@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Sequence
 
-from viscopoint.interactions.on_nodes import PlanesOnNodes, resume, settle, take_velocity
+from viscopoint.interactions.on_nodes import PlanesOnNodes, correct_velocity, stop_nodes, update_rows
 from viscopoint.interactions.planes import Interaction
 from viscopoint.interactions.rows import Rows
 from viscopoint.kernels.arrays import AnyArray, Array
@@ -11,7 +11,7 @@ from viscopoint.methods.moving import MovingBody
 from viscopoint.model import nodes as motion
 from viscopoint.model.nodes import Nodes
 
-UNKEPT = ("mass", "inverse_mass", "normal", "partner", "pressed")  # constant, or of one stage: in no checkpoint
+NOT_STORED = ("mass", "inverse_mass", "normal", "partner", "in_contact")  # constant, or of one stage: in no checkpoint
 
 
 class LagrangianBody(MovingBody):
@@ -31,14 +31,14 @@ class LagrangianBody(MovingBody):
         motion.kick(self.nodes, 0.5 * dt)
 
     def constrain(self, rows: Rows, number: int, first: int, dt: float) -> Rows:
-        return self.planes.find(rows, number, first, self.nodes, 0.5 * dt, dt)
+        return self.planes.add_rows(rows, number, first, self.nodes, dt)
 
     def drift(self, rows: Rows, number: int, dt: float) -> None:
         if rows.size[0]:
-            take_velocity(self.nodes, rows, number)
+            correct_velocity(self.nodes, rows, number)
         motion.drift(self.nodes, dt)
         if rows.size[0]:
-            settle(self.nodes, rows, number, self.planes.slot_of)
+            stop_nodes(self.nodes, rows, number, self.planes.slot_of)
 
     @abstractmethod
     def strain(self, dt: float) -> None:
@@ -49,11 +49,11 @@ class LagrangianBody(MovingBody):
 
     def constrain_again(self, rows: Rows, number: int, dt: float) -> None:
         if rows.size[0]:
-            resume(self.nodes, rows, number, 0.5 * dt)
+            update_rows(self.nodes, rows, number, 0.5 * dt)
 
-    def arrive(self, rows: Rows, number: int) -> None:
+    def correct_velocity(self, rows: Rows, number: int) -> None:
         if rows.size[0]:
-            take_velocity(self.nodes, rows, number)
+            correct_velocity(self.nodes, rows, number)
 
     def stable_step(self) -> float:
         return self.time_step_factor * float(self.critical.min())
@@ -69,6 +69,6 @@ class LagrangianBody(MovingBody):
 
     def state(self) -> dict[str, AnyArray]:
         material, shared, _ = self.states()
-        nodes = {f"node_{name}": rows for name, rows in self.nodes._asdict().items() if name not in UNKEPT}
-        kept = {**material._asdict(), **shared._asdict(), **nodes, **self.own_state()}
-        return {**kept, "critical": self.critical, "reactions": self.reactions}
+        nodes = {f"node_{name}": rows for name, rows in self.nodes._asdict().items() if name not in NOT_STORED}
+        stored = {**material._asdict(), **shared._asdict(), **nodes, **self.own_state()}
+        return {**stored, "critical": self.critical, "reactions": self.reactions}

@@ -60,7 +60,7 @@ class MovingBody(central_differences.Body, ABC):
 
     def advance(self, dt: float) -> None:
         """Advance this body alone by one step [ms]."""
-        if self._alone is None or not self._alone.moves(self):
+        if self._alone is None or not self._alone.drives(self):
             self._alone = central_differences.CentralDifferences((self,))
         self._alone.advance(dt)
 

@@ -13,26 +13,28 @@ class Surface(NamedTuple):
     ring: Indices  # [layer, c], points around the circumference of each layer, from the foot up; -1: none
     start: Array  # [c], how far from the axis such a point starts, mm
     radius: float  # of the rod at the start, mm
-    tail: Indices  # [column, 2], points of the last two layers; the rod ends ``reach`` of their distance further
-    foot: Indices  # [column, 2], the same at the foot
-    reach: float
-    near: float  # what is no higher than this above the lowest point of the surface is in contact with the wall, mm
+    rear_face: Indices  # [column, 2], points of the last two layers
+    impact_face: Indices  # [column, 2], of the first two
+    end_overhang: float  # of the distance of these two, by which the rod ends beyond its last points
+    contact_height: float  # mm; what is no higher than this above the lowest point of the surface is on the wall
 
 
-def layered_surface(index: Indices, rim: Any, start: Array, radius: float, *, reach: float, near: float) -> Surface:
+def layered_surface(
+    index: Indices, rim: Any, start: Array, radius: float, *, end_overhang: float, contact_height: float
+) -> Surface:
     """Return the surface of a rod whose equal layers are the rows of ``index``, and ``rim`` the columns that show."""
-    tail, foot = np.column_stack([index[-1], index[-2]]), np.column_stack([index[0], index[1]])
-    return Surface(index[:, rim], start, radius, tail, foot, reach, near)
+    rear, impact = np.column_stack([index[-1], index[-2]]), np.column_stack([index[0], index[1]])
+    return Surface(index[:, rim], start, radius, rear, impact, end_overhang, contact_height)
 
 
-EXACT = 1e-3  # of the radius: ``Surface.near`` of surfaces that nodes or points stand on
+EXACT = 1e-3  # of the radius: ``Surface.contact_height`` of surfaces that nodes or points stand on
 
 
 def half_height(body: "Body") -> float:
     """Return how far the lowest material reaches below the lowest points [mm]."""
-    lowest, next_lowest = body.surface.foot.T
+    lowest, next_lowest = body.surface.impact_face.T
     height = body.position[:, 2]
-    return body.surface.reach * float((height[next_lowest] - height[lowest]).mean())
+    return body.surface.end_overhang * float((height[next_lowest] - height[lowest]).mean())
 
 
 class Body(NamedTuple):
@@ -55,7 +57,8 @@ def reordered(body: Body, order: Indices) -> Body:
     place[order] = np.arange(len(order))
     place[-1] = -1  # none stays none
     surface = body.surface
-    moved = surface._replace(ring=place[surface.ring], tail=place[surface.tail], foot=place[surface.foot])
+    faces = {"rear_face": place[surface.rear_face], "impact_face": place[surface.impact_face]}
+    moved = surface._replace(ring=place[surface.ring], **faces)
     return Body(body.position[order], body.volume[order], moved)
 
 

@@ -117,12 +117,13 @@ class EnergyBalance:
     def __init__(self, method: Method, reference: ReferenceEnergy) -> None:
         """Measure a body at the start; ``reference`` is that of all bodies."""
         self.method, self.reference, surface = method, reference, method.body.surface
-        away = np.linalg.norm(method.body.position[surface.foot[:, 0], :2], axis=1)
+        away = np.linalg.norm(method.body.position[surface.impact_face[:, 0], :2], axis=1)
         self.surface = Surface(
             ring=np.ascontiguousarray(surface.ring), start=np.ascontiguousarray(surface.start),
-            radius=float(surface.radius), tail=surface.tail, foot=surface.foot[np.argsort(away, kind="stable")],
-            reach=float(surface.reach),
-            near=float(surface.near),
+            radius=float(surface.radius), rear_face=surface.rear_face,
+            impact_face=surface.impact_face[np.argsort(away, kind="stable")],
+            end_overhang=float(surface.end_overhang),
+            contact_height=float(surface.contact_height),
         )  # fmt: skip
         self.variance, self._room = float(np.var(surface.start)), measurements.room(surface)
         self.start: Totals = method.totals()

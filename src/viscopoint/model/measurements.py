@@ -4,16 +4,17 @@
   of the surface. Points of a lattice stand inside it, from R0 = R - spacing to R at the start: the straight line
   through their present over their first distances from the axis, fitted by least squares, is read at R. (Present times
   R / R0 is off by 1 % where a mushroom's foot is stretched unevenly.) Nodes on the surface show it by their mean.
-- The **contact radius** is the greatest of the surface no higher above the lowest point than ``Surface.near``, so of
-  what is on the wall, or would touch it first. From a layer that is on the wall to the next the outline is straight.
-  Nodes and points that stand on the surface know that to 0.1 % of the radius in height, and so whether a rim is lifted
-  by some micrometres; points of a lattice know it to half a spacing, and take such a rim for touching.
+- The **contact radius** is the greatest of the surface no higher above the lowest point than
+  ``Surface.contact_height``, so of what is on the wall, or would touch it first. From a layer that is on the wall to
+  the next the outline is straight. Nodes and points that stand on the surface know that to 0.1 % of the radius in
+  height, and so whether a rim is lifted by some micrometres; points of a lattice know it to half a spacing, and take
+  such a rim for touching.
 - The **impact face's radius** is that of the lowest layer of material. With friction the side rolls onto the wall, and
   the contact is larger; a rim that curls up makes it smaller.
 - The **greatest radius** is the largest of all layers.
-- The **length** runs from the lowest point of the foot to the highest of the tail. A lattice ends half a spacing
-  beyond its last layer: each column is prolonged by half the present distance of its last two points, so that an
-  undeformed rod of n layers measures n spacings.
+- The **length** runs from the lowest point of the impact face to the highest of the rear face. A lattice ends half a
+  spacing beyond its last layer: each column is prolonged by half the present distance of its last two points, so that
+  an undeformed rod of n layers measures n spacings.
 - A length that would be read from points some of which are lost (outside the box, or of deleted elements alone) is not
   a number.
 """
@@ -100,7 +101,7 @@ def measure(surface: Surface, position: Array) -> Measurements:
 
 def room(surface: Surface) -> Array:
     """Return memory for an outline, as ``measured`` wants it."""
-    return np.empty((2, len(surface.foot) + len(surface.ring)))
+    return np.empty((2, len(surface.impact_face) + len(surface.ring)))
 
 
 def measured(surface: Surface, position: Array, variance: float, memory: Array) -> tuple[float, ...]:
@@ -111,35 +112,30 @@ def measured(surface: Surface, position: Array, variance: float, memory: Array) 
         lowest, highest, widest = min(lowest, z), max(highest, z), max(widest, x * x + y * y)
         if not np.isfinite(x + y + z):
             nothing = np.nan
-    foot, tail = np.inf, np.inf
-    for column in range(len(surface.foot)):
-        foot = lesser(foot, end(surface.foot, column, position, surface.reach))
-    for column in range(len(surface.tail)):
-        tail = lesser(tail, -end(surface.tail, column, position, surface.reach))
-    before = len(surface.foot)
+    low_end, high_end = np.inf, -np.inf
+    for column in range(len(surface.impact_face)):
+        low_end = np.minimum(low_end, end(surface.impact_face, column, position, surface.end_overhang))
+    for column in range(len(surface.rear_face)):
+        high_end = np.maximum(high_end, end(surface.rear_face, column, position, surface.end_overhang))
+    before = len(surface.impact_face)
     height, radius = memory[0], memory[1]
     outline(surface.ring, surface.start, surface.radius, variance, position, height[before:], radius[before:])
     contact, face, greatest = np.nan, np.nan, np.nan
-    if not misses(surface.ring, position):
+    if not has_lost_points(surface.ring, position):
         face, greatest = radius[before], radius[before]
         for layer in range(before, len(radius)):
-            greatest = -lesser(-greatest, -radius[layer])
+            greatest = np.maximum(greatest, radius[layer])
         contact = contact_radius(surface, position, height, radius)
-    return -tail - foot, contact, face, greatest, lowest + nothing, highest + nothing, np.sqrt(widest) + nothing
+    return high_end - low_end, contact, face, greatest, lowest + nothing, highest + nothing, np.sqrt(widest) + nothing
 
 
-def lesser(a: float, b: float) -> float:
-    """Return the lesser of two numbers, and not-a-number if one of them is."""
-    return b if b < a or np.isnan(b) else a
-
-
-def end(columns: Indices, column: int, position: Array, reach: float) -> float:
+def end(columns: Indices, column: int, position: Array, overhang: float) -> float:
     """Return where a column of points ends."""
     last, inner = position[columns[column, 0], 2], position[columns[column, 1], 2]
-    return last + reach * (last - inner)
+    return last + overhang * (last - inner)
 
 
-def misses(ring: Indices, position: Array) -> bool:
+def has_lost_points(ring: Indices, position: Array) -> bool:
     """Return whether one of the surface's points was lost."""
     for layer in range(ring.shape[0]):
         for c in range(ring.shape[1]):
@@ -149,18 +145,18 @@ def misses(ring: Indices, position: Array) -> bool:
 
 
 def contact_radius(surface: Surface, position: Array, height: Array, radius: Array) -> float:
-    """Return the greatest radius of the surface no higher above its lowest point than ``surface.near`` [mm].
+    """Return the greatest radius of the surface no higher above its lowest point than ``surface.contact_height`` [mm].
 
     The outline's layers are the last entries of height and radius; those before them are overwritten.
     """
-    foot, first, most = surface.foot, len(surface.foot), np.inf
-    for column in range(len(foot)):
-        most = lesser(most, position[foot[column, 0], 2])
+    face, first, most = surface.impact_face, len(surface.impact_face), np.inf
+    for column in range(first):
+        most = np.minimum(most, position[face[column, 0], 2])
     for layer in range(first, len(height)):
-        most = lesser(most, height[layer])
+        most = np.minimum(most, height[layer])
     if np.isnan(most):
         return most
-    most += surface.near
+    most += surface.contact_height
     if height[first] > most:  # the rim is off the wall: only a part of the impact face is on it
         first = add_impact_face(surface, position, height, radius)
     found = np.nan
@@ -181,10 +177,10 @@ def add_impact_face(surface: Surface, position: Array, height: Array, radius: Ar
 
     They are mostly in that order, if they were at the start: then each finds its place at once.
     """
-    last = len(surface.foot) - 1
+    last = len(surface.impact_face) - 1
     first = last + 1
     for column in range(last, -1, -1):
-        p = surface.foot[column, 0]
+        p = surface.impact_face[column, 0]
         rim = False
         for c in range(surface.ring.shape[1]):
             rim = rim or surface.ring[0, c] == p
@@ -199,4 +195,4 @@ def add_impact_face(surface: Surface, position: Array, height: Array, radius: Ar
     return first
 
 
-LOOPS = (outline, lesser, end, misses, add_impact_face, contact_radius)  # that ``measured`` calls
+LOOPS = (outline, end, has_lost_points, add_impact_face, contact_radius)  # that ``measured`` calls

@@ -27,8 +27,8 @@ class Nodes(NamedTuple):
     inverse_mass: Array  # [n, 3], 1/g; 0 along axes along which a node cannot move
     normal_mass: Array  # [n], that moves along ``normal``, g
     normal: Array  # [3], of the wall on which mass is redistributed
-    partner: Indices  # [n], of a node that meets the wall first the one behind it; else -1
-    pressed: NDArray[np.uint8]  # [n], 1: stands on a wall or would pass it in this step
+    partner: Indices  # [n], of a node of the plane that comes to the wall first the one behind it; else -1
+    in_contact: NDArray[np.uint8]  # [n], 1: stands on a wall or would pass it in this step
 
 
 def nodes_at_rest(position: Array, mass: Array, free: Array) -> Nodes:
@@ -43,7 +43,7 @@ def nodes_at_rest(position: Array, mass: Array, free: Array) -> Nodes:
         normal_mass=mass.copy(),
         normal=np.array([0.0, 0.0, 1.0]),
         partner=np.full(count, -1),
-        pressed=np.zeros(count, np.uint8),
+        in_contact=np.zeros(count, np.uint8),
     )
 
 

@@ -61,7 +61,7 @@ def skin_of_points(body: Body, coarser: int = 1) -> Skin:
         turning = surface_points(body, coarser)
         return Skin(turning.points, turning.angle, (), (), coarser * spacing(body))
     surface = body.surface
-    every = np.concatenate([surface.ring.ravel(), surface.tail[:, 0], surface.foot[:, 0]])
+    every = np.concatenate([surface.ring.ravel(), surface.rear_face[:, 0], surface.impact_face[:, 0]])
     points = np.unique(every[every >= 0])
     edge = coarser * spacing(body)
     if coarser > 1:

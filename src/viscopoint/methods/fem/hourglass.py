@@ -34,7 +34,7 @@ class StiffnessControl(NamedTuple):
 
 @generic
 def hourglass_force(
-    control: Any, before: Hourglass, slip: Hourglass, rotation: Matrix, dt: float, mass: float, sound: float,
+    control: Any, before: Hourglass, motion: Hourglass, rotation: Matrix, dt: float, mass: float, sound: float,
     length: float,
 ) -> tuple[Hourglass, float]:  # fmt: skip
     """Return the forces on the hourglass modes [N] and the work done against them [mJ].
@@ -42,7 +42,7 @@ def hourglass_force(
     Args:
         control: the control.
         before: the forces of the step before [N].
-        slip: what the modes moved in the step [mm].
+        motion: what the modes moved in the step [mm].
         rotation: over the step.
         dt: step [ms].
         mass: of the element [g].
@@ -54,21 +54,21 @@ def hourglass_force(
 
 @implements(hourglass_force, ViscousControl)
 def damp(
-    control: ViscousControl, before: Hourglass, slip: Hourglass, rotation: Matrix, dt: float, mass: float,
+    control: ViscousControl, before: Hourglass, motion: Hourglass, rotation: Matrix, dt: float, mass: float,
     sound: float, length: float,
 ) -> tuple[Hourglass, float]:  # fmt: skip
-    force = scaled(-16.0 * control.coefficient * mass * sound / (length * dt), slip)
-    return force, -0.5 * dot_hourglass(added(before, force), slip)
+    force = scaled(-16.0 * control.coefficient * mass * sound / (length * dt), motion)
+    return force, -0.5 * dot_hourglass(added(before, force), motion)
 
 
 @implements(hourglass_force, StiffnessControl)
 def spring(
-    control: StiffnessControl, before: Hourglass, slip: Hourglass, rotation: Matrix, dt: float, mass: float,
+    control: StiffnessControl, before: Hourglass, motion: Hourglass, rotation: Matrix, dt: float, mass: float,
     sound: float, length: float,
 ) -> tuple[Hourglass, float]:  # fmt: skip
     start = rotated_forces(before, rotation)
-    change = scaled(-control.coefficient * mass * (sound / length) ** 2, slip)
-    return added(start, change), -dot_hourglass(added(start, scaled(0.5, change)), slip)
+    increment = scaled(-control.coefficient * mass * (sound / length) ** 2, motion)
+    return added(start, increment), -dot_hourglass(added(start, scaled(0.5, increment)), motion)
 
 
 @inline

@@ -80,10 +80,10 @@ def rod_surface(position: Array, radius: float) -> Surface:
         ring=np.array([np.pad(layer, (0, widest - len(layer)), constant_values=-1) for layer in layers]),
         start=np.full(widest, from_axis.max()),
         radius=radius,
-        tail=np.column_stack([ends[0], ends[0]]),
-        foot=np.column_stack([ends[1], ends[1]]),
-        reach=0.0,
-        near=EXACT * radius,
+        rear_face=np.column_stack([ends[0], ends[0]]),
+        impact_face=np.column_stack([ends[1], ends[1]]),
+        end_overhang=0.0,
+        contact_height=EXACT * radius,
     )
 
 

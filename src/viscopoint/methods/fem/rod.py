@@ -70,9 +70,8 @@ def rod_mesh(radius: float, length: float, size: float, grading: float = 1.0) ->
     position = np.column_stack([np.tile(disc, (len(planes), 1)), np.repeat(planes, len(disc))])
     index = np.arange(len(position)).reshape(len(planes), len(disc))
     cells = np.concatenate([np.hstack([lower[quads], upper[quads]]) for lower, upper in itertools.pairwise(index)])
-    surface = layered_surface(
-        index, rim, np.full(len(rim), rim_radius(radius, len(rim))), radius, reach=0.0, near=EXACT * radius
-    )
+    start = np.full(len(rim), rim_radius(radius, len(rim)))
+    surface = layered_surface(index, rim, start, radius, end_overhang=0.0, contact_height=EXACT * radius)
     return Body(position, node_volumes(position, cells), surface, cells)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from viscopoint.kernels.arrays import Array, Indices
-from viscopoint.methods.fem.cells.ring import ETA, GAUSS, TURN, XI, Ring
+from viscopoint.methods.fem.cells.ring import ETA, GAUSS, TWO_PI, XI, Ring
 from viscopoint.methods.fem.mesh import Form
 from viscopoint.methods.fem.rod import heights, layers
 from viscopoint.model.body import EXACT, Body, layered_surface
@@ -24,7 +24,7 @@ def point_volumes(position: Array, corner: Indices) -> Array:
         a = np.einsum("k,ekd->ed", XI * (1 + ETA * eta) / 4, x)
         b = np.einsum("k,ekd->ed", ETA * (1 + XI * xi) / 4, x)
         r = x[:, :, 0] @ shape_functions(xi, eta)
-        found.append(TURN * r * (a[:, 0] * b[:, 2] - a[:, 2] * b[:, 0]))
+        found.append(TWO_PI * r * (a[:, 0] * b[:, 2] - a[:, 2] * b[:, 0]))
     return np.column_stack(found)
 
 
@@ -81,7 +81,8 @@ def section_mesh(radius: float, length: float, size: float, grading: float = 1.0
     cells = np.column_stack(
         [index[low, low].ravel(), index[low, high].ravel(), index[high, high].ravel(), index[high, low].ravel()]
     )
-    surface = layered_surface(index, slice(-1, None), np.array([radius]), radius, reach=0.0, near=EXACT * radius)
+    last, start = slice(-1, None), np.array([radius])
+    surface = layered_surface(index, last, start, radius, end_overhang=0.0, contact_height=EXACT * radius)
     return Body(position, node_volumes(position, cells), surface, cells)
 
 

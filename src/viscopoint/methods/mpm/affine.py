@@ -8,7 +8,13 @@ from viscopoint.kernels.tensors import Float4, Matrix, Sym
 from viscopoint.kernels.values import replaced
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.shapes import Weights
-from viscopoint.methods.mpm.stencil import Stencil, interpolate_with_gradient, pull_in, scatter, scatter_gradient
+from viscopoint.methods.mpm.stencil import (
+    Stencil,
+    interpolate_with_gradient,
+    scatter,
+    scatter_gradient,
+    scatter_hoop_force,
+)
 
 
 @inline
@@ -36,7 +42,7 @@ def inertia(weights: Weights) -> float:
 
 @inline
 def arms(at: Any) -> Stencil:
-    """Return the support with N (x_i - x_p) (in cells) in place of the slopes along each axis."""
+    """Return the stencil with N (x_i - x_p) (in cells) in place of the slopes along each axis."""
     return Stencil(at.first, at.wx, at.wy, at.wz, leverage(at.wx), leverage(at.wy), leverage(at.wz), 0.0)
 
 
@@ -79,8 +85,8 @@ def scatter_affine(grid: Grid, at: Any, m: float, v: tuple[float, float, float],
 def scatter_force(grid: Grid, at: Any, s: Sym) -> None:
     """Add s · ∇N (per cell) to the nodes' force."""
     x, y, z = Float4(s.xx, s.xy, s.zx, 0.0), Float4(s.xy, s.yy, s.yz, 0.0), Float4(s.zx, s.yz, s.zz, 0.0)
-    scatter_gradient(grid.change, grid, at, x, y, z)
-    pull_in(at, grid.change, grid, s.yy)
+    scatter_gradient(grid.force, grid, at, x, y, z)
+    scatter_hoop_force(at, grid.force, grid, s.yy)
 
 
 @inline

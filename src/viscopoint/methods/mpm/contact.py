@@ -46,11 +46,11 @@ class PlanesOnGrid:
         self.interactions = tuple(interactions)
         self.reactions = np.zeros((len(self.interactions), REACTIONS))
         self.elapsed = np.zeros(1)  # since the start, ms
-        self._planes = [_placed(each.plane, grid, middle) for each in self.interactions]
-        self._contact, self._held = contact, empty_rows(0)
+        self._planes = [_on_grid(each.plane, grid, middle) for each in self.interactions]
+        self._contact, self._strain_rows = contact, empty_rows(0)
         self._slot_of = np.full(0, -1)
 
-    def around(self, grid: Grid) -> tuple[Planes, Planes, Planes]:
+    def wall_planes(self, grid: Grid) -> tuple[Planes, Planes, Planes]:
         """Return the planes of nodes between which the body is, along each axis."""
         planes = [[NOWHERE, NOWHERE] for _ in range(3)]
         for plane in self._planes:
@@ -60,32 +60,32 @@ class PlanesOnGrid:
         (x0, x1), (y0, y1), (z0, z1) = planes
         return (x0, x1), (y0, y1), (z0, z1)
 
-    def find(self, rows: Rows, body: int, first: int, grid: Grid, points: Points, shape: Any, half: float) -> Rows:
+    def add_rows(self, rows: Rows, body: int, first: int, grid: Grid, points: Points, shape: Any, half: float) -> Rows:
         """Add the rows of all planes; ``half`` is half the height of a point's material at the start [mm]."""
         if len(self._slot_of) != len(grid.momentum):
             self._slot_of = np.full(len(grid.momentum), -1)
         for number, start in enumerate(self._planes):
             gone = start.speed * float(self.elapsed[0])
             plane = start._replace(point=_triple(np.array(start.point) + gone * np.array(start.normal)))
-            gate = Nodes() if plane.two_sided else self._contact.at(plane, points, grid, shape, half)
+            contact = Nodes() if plane.two_sided else self._contact.at(plane, points, grid, shape, half)
             low, high = _window(plane, grid)
             rows = with_room(rows, int(np.prod(high - low)))
             several = len(self._planes) > 1
-            meet(gate, plane, grid, low, high, self._slot_of, rows, body, first + number, several)
+            add_contact_rows(contact, plane, grid, low, high, self._slot_of, rows, body, first + number, several)
         return rows
 
-    def take_velocity(self, grid: Grid, rows: Rows, body: int) -> None:
+    def correct_velocity(self, grid: Grid, rows: Rows, body: int) -> None:
         """Let the nodes have the velocity that the rows leave."""
         if rows.size[1]:
-            take_velocity(grid, rows, body, self._slot_of)
+            correct_velocity(grid, rows, body, self._slot_of)
 
-    def hold(self, grid: Grid, points: Points, shape: Any, half: float) -> None:
-        """Hold the nodes where strain is taken; points do not feel it, so no account is kept."""
-        self._held.size[:] = 0
-        rows = self._held = self.find(self._held, 0, 0, grid, points, shape, half)
+    def constrain_velocity(self, grid: Grid, points: Points, shape: Any, half: float) -> None:
+        """Apply the constraints to velocities that only strain is taken from, so that no reaction counts."""
+        self._strain_rows.size[:] = 0
+        rows = self._strain_rows = self.add_rows(self._strain_rows, 0, 0, grid, points, shape, half)
         if rows.size[0]:
             solve(rows, 0, rows.size[0], np.zeros_like(self.reactions))
-            self.take_velocity(grid, rows, 0)
+            self.correct_velocity(grid, rows, 0)
 
 
 def _triple(vector: Array) -> Triple:
@@ -105,7 +105,7 @@ def _node(plane: Plane, axis: int, grid: Grid) -> int:
     return round((plane.point[axis] - (grid.x0, grid.y0, grid.z0)[axis]) * grid.per_cell)
 
 
-def _placed(plane: Plane, grid: Grid, middle: Array) -> Plane:
+def _on_grid(plane: Plane, grid: Grid, middle: Array) -> Plane:
     """Return a plane of which the body is in front, on a plane of nodes if it is normal to an axis and stands still."""
     point, normal = np.array(plane.point), np.array(plane.normal)
     if plane.two_sided and (middle - point) @ normal < 0.0:
@@ -149,7 +149,7 @@ def in_half_plane(grid: HalfPlane, i: int, inverse: float) -> Vec:
 
 
 @serial_kernel
-def meet(
+def add_contact_rows(
     contact: Any, plane: Plane, grid: Grid, low: NDArray[np.int64], high: NDArray[np.int64], slot_of: Indices,
     rows: Rows, body: int, owner: int, several: bool,
 ) -> None:  # fmt: skip
@@ -176,20 +176,20 @@ def meet(
 
 
 @serial_kernel
-def take_velocity(grid: Grid, rows: Rows, body: int, slot_of: Indices) -> None:
-    """Let the nodes have the velocity that their slots have; what was added to it is part of its change."""
+def correct_velocity(grid: Grid, rows: Rows, body: int, slot_of: Indices) -> None:
+    """Let the nodes have the velocity that their slots have; what that adds is part of Δv."""
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             n, motion = rows.node[s, 1], rows.motion[s]
             velocity = read_vector(motion, VELOCITY)
             write_vector(grid.velocity[n], velocity)
-            write_vector(grid.change[n], read_vector(grid.change[n]) + (velocity - read_vector(motion, TRIAL)))
+            write_vector(grid.dv[n], read_vector(grid.dv[n]) + (velocity - read_vector(motion, TRIAL)))
             slot_of[n] = -1
 
 
 @serial_kernel
-def let_go(rows: Rows, body: int) -> None:
-    """Take a body's nodes out of rows that are solved once more: its step is done."""
+def deactivate_rows(rows: Rows, body: int) -> None:
+    """Let rows that are solved once more not act on a body's nodes: its step is done."""
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             write_vector(rows.motion[s], Vec(0.0, 0.0, 0.0), INVERSE)

@@ -41,7 +41,8 @@ class Grid(NamedTuple):
     shift: np.uint64  # (k0 ny + j0) nx + i0: takes a row counted from the lattice's first node into the window
     momentum: Array  # [n, 4], (mv)_i and m_i
     velocity: Array  # [n, 4], v_i
-    change: Array  # [n, 4], f_i until the nodes are accelerated, then the change of v_i
+    force: Array  # [n, 4], f_i, until the nodes are accelerated
+    dv: Array  # [n, 4], f_i Δt / m_i, with what constraints add, in the memory of ``force``
     spare: Array  # [k, n, 4], for those choices that sum something else over nodes or cells
     layers: int  # of cells in a slab; their points act on twice as many layers of nodes at most
     order: NDArray[np.uint64]  # [p], points sorted by slab, those outside the box last
@@ -76,7 +77,7 @@ def lattice(box: Box, cell: float, points: int, overhang: int, kind: type[Grid] 
     nodes = np.zeros((0, 4))
     zero = np.uint64(0)
     return kind(
-        x0, y0, z0, cell, 1.0 / cell, 0, 0, 0, zero, zero, zero, zero, nodes, nodes, nodes,
+        x0, y0, z0, cell, 1.0 / cell, 0, 0, 0, zero, zero, zero, zero, nodes, nodes, nodes, nodes,
         spare=np.zeros((spares, 0, 4)), layers=layers,
         order=np.zeros(points, np.uint64), start=np.zeros(slabs + 2, np.int64), critical=np.full(slabs, np.inf),
         slab=np.zeros(points, np.int32), share=np.zeros((CHUNKS, slabs + 1), np.int64),
@@ -84,15 +85,15 @@ def lattice(box: Box, cell: float, points: int, overhang: int, kind: type[Grid] 
     )  # fmt: skip
 
 
-def around_points(grid: Grid, points: Points, box: Box) -> Grid:
-    """Sort the points into slabs and return a grid whose window holds all nodes they act on."""
+def fitted_to_points(grid: Grid, points: Points, box: Box) -> Grid:
+    """Sort the points into slabs; return the grid with a window that holds all nodes they act on."""
     find_slabs(points.position, grid, box.low, box.high)
     find_places(grid)
     sort_by_slab(grid)
-    return _fitted(grid, grid.least.min(axis=0), grid.most.max(axis=0))
+    return _windowed(grid, grid.least.min(axis=0), grid.most.max(axis=0))
 
 
-def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
+def _windowed(grid: Grid, least: Array, most: Array) -> Grid:
     """Return the grid, with a new window if points from ``least`` to ``most`` [mm] are not inside the present one."""
     if not np.all(least <= most):  # no point is left in the box
         return grid
@@ -115,7 +116,7 @@ def _fitted(grid: Grid, least: Array, most: Array) -> Grid:
     return grid._replace(
         i0=i0, j0=j0, k0=k0,
         nx=np.uint64(nx), ny=np.uint64(ny), nz=np.uint64(nz), shift=np.uint64(shift),
-        momentum=nodes[0], velocity=nodes[1], change=nodes[2], spare=nodes[FIELDS:],
+        momentum=nodes[0], velocity=nodes[1], force=nodes[2], dv=nodes[2], spare=nodes[FIELDS:],
     )  # fmt: skip
 
 
@@ -200,9 +201,9 @@ def zero(part: int, field: Array) -> None:
 
 
 def accelerate(grid: Grid, dt: float) -> None:
-    """Solve the momentum equation: v_i = ((mv)_i + f_i Δt) / m_i; ``change`` becomes f_i Δt / m_i."""
-    grid.geometry.mirror(grid, grid.momentum, grid.change)
-    solve(grid, dt)
+    """Solve the momentum equation: v_i = ((mv)_i + f_i Δt) / m_i, and Δv_i = f_i Δt / m_i."""
+    grid.geometry.mirror(grid, grid.momentum, grid.force)
+    divide_with_force(grid, dt)
 
 
 def average(grid: Grid) -> None:
@@ -212,15 +213,15 @@ def average(grid: Grid) -> None:
 
 
 @kernel()
-def solve(part: int, grid: Grid, dt: float) -> None:
-    """Take the nodes' force to their velocity, v_i = ((mv)_i + f_i Δt) / m_i, and to its change."""
-    momentum, velocity, change = grid.momentum, grid.velocity, grid.change
+def divide_with_force(part: int, grid: Grid, dt: float) -> None:
+    """Find the nodes' velocity from momentum and force; ``dv`` replaces the force."""
+    momentum, velocity = grid.momentum, grid.velocity
     for n in chunk(part, PARTS, len(momentum)):
         m = momentum[n, 3]
         per_mass = 1.0 / m if m > 0.0 else 0.0
-        gain = (per_mass * dt) * fetch(change, n)
-        put(change, n, gain)
-        put(velocity, n, per_mass * fetch(momentum, n) + gain)
+        dv = (per_mass * dt) * fetch(grid.force, n)
+        put(grid.dv, n, dv)
+        put(velocity, n, per_mass * fetch(momentum, n) + dv)
 
 
 @kernel()

@@ -7,8 +7,8 @@ from viscopoint.kernels.slabs import COLOURS, chunk, coloured_slabs_of, slabs_of
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import stencil_at
-from viscopoint.methods.mpm.transfers import give, give_with_force, take
-from viscopoint.methods.mpm.volumes import pull
+from viscopoint.methods.mpm.transfers import g2p, p2g, p2g_with_force
+from viscopoint.methods.mpm.volumes import acting_stress
 
 
 @kernel(PARTS, COLOURS)
@@ -19,9 +19,9 @@ def scatter_momentum_and_force(part: int, points: Points, grid: Grid, shape: Any
         for q in range(start[slab], start[slab + 1]):
             p: int = grid.order[q]
             at = stencil_at(points, p, grid, shape)
-            stress = pull(volume, points, p, grid)
+            stress = acting_stress(volume, points, p, grid)
             size = points.shared.jacobian[p] * points.volume[p]
-            give_with_force(transfer, points, p, grid, at, (-size * grid.per_cell) * stress)
+            p2g_with_force(transfer, points, p, grid, at, (-size * grid.per_cell) * stress)
 
 
 @kernel(PARTS, COLOURS)
@@ -31,7 +31,7 @@ def scatter_momentum(part: int, points: Points, grid: Grid, shape: Any, transfer
     for slab in coloured_slabs_of(start, len(start) - 2, part):
         for q in range(start[slab], start[slab + 1]):
             p: int = grid.order[q]
-            give(transfer, points, p, grid, stencil_at(points, p, grid, shape))
+            p2g(transfer, points, p, grid, stencil_at(points, p, grid, shape))
 
 
 @kernel()
@@ -41,7 +41,7 @@ def gather_velocity(part: int, points: Points, grid: Grid, shape: Any, transfer:
     for slab in slabs_of(start, len(start) - 2, part):
         for q in range(start[slab], start[slab + 1]):
             p: int = grid.order[q]
-            take(transfer, points, p, grid, stencil_at(points, p, grid, shape))
+            g2p(transfer, points, p, grid, stencil_at(points, p, grid, shape))
 
 
 @kernel(PARTS, COLOURS)
@@ -55,8 +55,8 @@ def gather_velocity_and_remap(part: int, points: Points, grid: Grid, shape: Any,
         for q in range(start[slab], start[slab + 1]):
             p: int = grid.order[q]
             at = stencil_at(points, p, grid, shape)
-            take(transfer, points, p, grid, at)
-            give(transfer, points, p, grid, at)
+            g2p(transfer, points, p, grid, at)
+            p2g(transfer, points, p, grid, at)
 
 
 @kernel()

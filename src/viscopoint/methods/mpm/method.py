@@ -12,11 +12,11 @@ from viscopoint.kernels.arrays import AnyArray, Array, Real
 from viscopoint.materials import Material
 from viscopoint.methods.moving import MovingBody
 from viscopoint.methods.mpm import stress
-from viscopoint.methods.mpm.contact import PlanesOnGrid, let_go
+from viscopoint.methods.mpm.contact import PlanesOnGrid, deactivate_rows
 from viscopoint.methods.mpm.contacts import Contact
 from viscopoint.methods.mpm.contacts.nodes import Nodes
 from viscopoint.methods.mpm.geometry import Box
-from viscopoint.methods.mpm.grid import Grid, around_points, lattice
+from viscopoint.methods.mpm.grid import Grid, fitted_to_points, lattice
 from viscopoint.methods.mpm.points import Points, at_rest
 from viscopoint.methods.mpm.schemes import Scheme
 from viscopoint.methods.mpm.shapes import Shape
@@ -72,7 +72,7 @@ class MaterialPointMethod(MovingBody):
         self.grid.critical[:] = choices.cell / (signal_speed(self.sound, 0.0) + fastest)
         self.planes = PlanesOnGrid(interactions, self.grid, body.position.mean(axis=0), choices.contact)
         self.shortage = ""  # of memory for the grid
-        self.shape: Shape = choices.shape.walled(*self.planes.around(self.grid))
+        self.shape: Shape = choices.shape.walled(*self.planes.wall_planes(self.grid))
         self._sort()
 
     @property
@@ -99,10 +99,10 @@ class MaterialPointMethod(MovingBody):
             act(self, dt)
 
     def constrain(self, rows: Rows, number: int, first: int, dt: float) -> Rows:
-        return self.planes.find(rows, number, first, self.grid, self.points, self.shape, self.half_height)
+        return self.planes.add_rows(rows, number, first, self.grid, self.points, self.shape, self.half_height)
 
     def drift(self, rows: Rows, number: int, dt: float) -> None:
-        self.planes.take_velocity(self.grid, rows, number)
+        self.planes.correct_velocity(self.grid, rows, number)
         for act in self.scheme.drift:
             act(self, dt)
 
@@ -121,23 +121,23 @@ class MaterialPointMethod(MovingBody):
 
     def constrain_again(self, rows: Rows, number: int, dt: float) -> None:
         if rows.size[1]:
-            let_go(rows, number)
+            deactivate_rows(rows, number)
 
-    def arrive(self, rows: Rows, number: int) -> None:
+    def correct_velocity(self, rows: Rows, number: int) -> None:
         """Nothing, likewise."""
 
-    def hold(self) -> None:
-        """Hold the nodes where strain is taken."""
-        self.planes.hold(self.grid, self.points, self.shape, self.half_height)
+    def constrain_velocity(self) -> None:
+        """Apply the constraints to velocities from which strain is taken."""
+        self.planes.constrain_velocity(self.grid, self.points, self.shape, self.half_height)
 
     def update_stress(self, dt: float) -> None:
         """Strain the points by the nodes' velocity and update their stress."""
         points, grid, shape = self.points, self.grid, self.shape
-        volume = self.volume.strained(points, grid, shape, dt)
+        volume = self.volume.of_strain(points, grid, shape, dt)
         stress.update_points(points, grid, shape, self.block.of_step(dt), self.viscosity, volume, dt)
 
     def _sort(self) -> None:
-        self.grid = around_points(self.grid, self.points, self.box)
+        self.grid = fitted_to_points(self.grid, self.points, self.box)
 
     # --- what the driver and the outputs ask ---
 
@@ -178,8 +178,8 @@ class MaterialPointMethod(MovingBody):
     def state(self) -> dict[str, AnyArray]:
         points = self.points
         moving = {name: rows for name, rows in points._asdict().items() if name not in CONSTANT}
-        kept = {**moving, **points.material._asdict(), **points.shared._asdict()}
-        return {**kept, "critical": self.grid.critical, "reactions": self.reactions, "elapsed": self.planes.elapsed}
+        stored = {**moving, **points.material._asdict(), **points.shared._asdict()}
+        return {**stored, "critical": self.grid.critical, "reactions": self.reactions, "elapsed": self.planes.elapsed}
 
     def restore(self, state: dict[str, AnyArray]) -> None:
         super().restore(state)

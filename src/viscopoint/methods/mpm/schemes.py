@@ -26,9 +26,9 @@ class Scheme(NamedTuple):
 def scatter(mpm: Any, dt: float) -> None:
     """Map m_i, (mv)_i and f_i, and find v_i = ((mv)_i + f_i dt) / m_i."""
     zero(mpm.grid.momentum)
-    zero(mpm.grid.change)
-    pressed = mpm.volume.pressed(mpm.points, mpm.grid)
-    mapping.scatter_momentum_and_force(mpm.points, mpm.grid, mpm.shape, pressed, mpm.transfer)
+    zero(mpm.grid.force)
+    averaged = mpm.volume.of_pressure(mpm.points, mpm.grid)
+    mapping.scatter_momentum_and_force(mpm.points, mpm.grid, mpm.shape, averaged, mpm.transfer)
     accelerate(mpm.grid, dt)
 
 
@@ -38,20 +38,20 @@ def gather(mpm: Any, dt: float) -> None:
 
 
 def gather_and_remap(mpm: Any, dt: float) -> None:
-    """Find v_p, then v_i = (mv)_i / m_i of the accelerated points, held where constraints are."""
+    """Find v_p, then v_i = (mv)_i / m_i of the accelerated points, with the constraints applied."""
     zero(mpm.grid.momentum)
     mapping.gather_velocity_and_remap(mpm.points, mpm.grid, mpm.shape, mpm.transfer)
     average(mpm.grid)
-    mpm.hold()
+    mpm.constrain_velocity()
 
 
 def map_velocity(mpm: Any, dt: float) -> None:
-    """Map m_i and (mv)_i, and find v_i = (mv)_i / m_i, held where constraints are."""
+    """Map m_i and (mv)_i, and find v_i = (mv)_i / m_i, with the constraints applied."""
     zero(mpm.grid.momentum)
-    zero(mpm.grid.change)
+    zero(mpm.grid.force)
     mapping.scatter_momentum(mpm.points, mpm.grid, mpm.shape, mpm.transfer)
     average(mpm.grid)
-    mpm.hold()
+    mpm.constrain_velocity()
 
 
 def update_stress(mpm: Any, dt: float) -> None:

@@ -115,7 +115,7 @@ def scatter(field: Array, grid: Any, at: Any, x: float, y: float, z: float, m: f
 @inline
 def scatter_with_force(grid: Grid, at: Any, x: float, y: float, z: float, m: float, s: Sym) -> None:
     """Add N (x, y, z, m) to the nodes' momentum and s · ∇N (per cell) to their force, in one visit to each node."""
-    momentum, force, value = grid.momentum, grid.change, Float4(x, y, z, m)
+    momentum, force, value = grid.momentum, grid.force, Float4(x, y, z, m)
     sx, sy, sz = Float4(s.xx, s.xy, s.zx, 0.0), Float4(s.xy, s.yy, s.yz, 0.0), Float4(s.zx, s.yz, s.zz, 0.0)
     for c in range(len(at.wz)):
         wz, dz = pick(at.wz, c), pick(at.dz, c)
@@ -127,7 +127,7 @@ def scatter_with_force(grid: Grid, at: Any, x: float, y: float, z: float, m: flo
                 node, wx, dx = row + np.uint64(a), pick(at.wx, a), pick(at.dx, a)
                 put(momentum, node, fma(wx, line, fetch(momentum, node)))
                 put(force, node, fma(wx, rest, fma(dx, slope, fetch(force, node))))
-    pull_in(at, force, grid, s.yy)
+    scatter_hoop_force(at, force, grid, s.yy)
 
 
 @inline
@@ -181,7 +181,7 @@ def interpolate_with_gradient(field: Array, grid: Any, at: Any) -> tuple[Float4,
 @inline
 def interpolate_motion(grid: Grid, at: Any) -> tuple[Float4, Float4]:
     """Return Σ N v_i and Σ N Δv_i at a point, in one visit to each node."""
-    velocity, change = grid.velocity, grid.change
+    velocity, dv = grid.velocity, grid.dv
     moves = gains = zeros4()
     for c in range(len(at.wz)):
         layer = layer_gains = zeros4()
@@ -190,7 +190,7 @@ def interpolate_motion(grid: Grid, at: Any) -> tuple[Float4, Float4]:
             wy, row = pick(at.wy, b), node_row(grid, at, b, c)
             for a in range(len(at.wx)):
                 node, wx = row + np.uint64(a), pick(at.wx, a)
-                line, line_gains = fma(wx, fetch(velocity, node), line), fma(wx, fetch(change, node), line_gains)
+                line, line_gains = fma(wx, fetch(velocity, node), line), fma(wx, fetch(dv, node), line_gains)
             layer, layer_gains = fma(wy, line, layer), fma(wy, line_gains, layer_gains)
         wz = pick(at.wz, c)
         moves, gains = fma(wz, layer, moves), fma(wz, layer_gains, gains)
@@ -201,7 +201,7 @@ def interpolate_motion(grid: Grid, at: Any) -> tuple[Float4, Float4]:
 def gradient(field: Array, grid: Any, at: Any, scale: float) -> Matrix:
     """Return ``scale`` Σ field ⊗ ∇N (per cell) at a point."""
     mean, x, y, z = interpolate_with_gradient(field, grid, at)
-    return widened(at, mean, scale, Matrix(
+    return with_hoop_strain(at, mean, scale, Matrix(
         scale * x.x, scale * y.x, scale * z.x,
         scale * x.y, scale * y.y, scale * z.y,
         scale * x.z, scale * y.z, scale * z.z,
@@ -209,32 +209,32 @@ def gradient(field: Array, grid: Any, at: Any, scale: float) -> Matrix:
 
 
 @generic
-def widened(at: Any, mean: Float4, scale: float, a: Matrix) -> Matrix:
+def with_hoop_strain(at: Any, mean: Float4, scale: float, a: Matrix) -> Matrix:
     """Return the gradient ``a`` with what moving away from the axis adds, ``scale`` Σ field_r N / r (per cell)."""
     raise NotImplementedError
 
 
-@implements(widened, Stencil)
+@implements(with_hoop_strain, Stencil)
 def as_it_is(at: Stencil, mean: Float4, scale: float, a: Matrix) -> Matrix:
     return a
 
 
-@implements(widened, Ring)
+@implements(with_hoop_strain, Ring)
 def with_hoop(at: Ring, mean: Float4, scale: float, a: Matrix) -> Matrix:
     return Matrix(a.xx, a.xy, a.xz, a.yx, scale * at.per_radius * mean.x, a.yz, a.zx, a.zy, a.zz)
 
 
 @generic
-def pull_in(at: Any, force: Array, grid: Any, hoop: float) -> None:
+def scatter_hoop_force(at: Any, force: Array, grid: Any, hoop: float) -> None:
     """Add what a ring's stress around the axis pulls towards it, ``hoop`` N / r (per cell), to the nodes' force."""
     raise NotImplementedError
 
 
-@implements(pull_in, Stencil)
+@implements(scatter_hoop_force, Stencil)
 def not_at_all(at: Stencil, force: Array, grid: Any, hoop: float) -> None:
     pass
 
 
-@implements(pull_in, Ring)
+@implements(scatter_hoop_force, Ring)
 def by_hoop(at: Any, force: Array, grid: Any, hoop: float) -> None:
     scatter(force, grid, at, hoop * at.per_radius, 0.0, 0.0, 0.0)

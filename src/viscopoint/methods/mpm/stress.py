@@ -13,7 +13,7 @@ from viscopoint.materials.block import AFTER, GRADIENT, JACOBIAN, SWEPT, Materia
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import gradient, stencil_at
-from viscopoint.methods.mpm.volumes import dilated
+from viscopoint.methods.mpm.volumes import dilatation
 from viscopoint.model.nodes import KINETIC, MASS, MOMENTUM
 from viscopoint.model.points import (
     OWN,
@@ -55,7 +55,7 @@ def update_points(
             for i in range(count):
                 moved = load_matrix(work, GRADIENT, i)
                 middle, ratio = at_mid_step(moved), volume_ratio(moved)
-                swept, ratio = dilated(volume, points, order[first + i], grid, volumetric(middle), ratio)
+                swept, ratio = dilatation(volume, points, order[first + i], grid, volumetric(middle), ratio)
                 store(work, GRADIENT, i, middle)
                 store(work, SWEPT, i, swept)
                 store(work, AFTER, i, load(work, JACOBIAN, i) * ratio)

@@ -41,13 +41,13 @@ class Extension(NamedTuple):
     back: SparseRows
 
 
-def extended(shape: tuple[int, int, int], share: Array, touched: Array) -> tuple[Extension, Indices]:
+def extended(shape: tuple[int, int, int], share: Array, active: Array) -> tuple[Extension, Indices]:
     """Return E and the grid's rows of the nodes in their own right.
 
     Args:
         shape: number of the grid's nodes along z, y, x.
         share: how far each cell is filled, in the row of its first node.
-        touched: not 0 for the nodes that points know.
+        active: not 0 for the nodes that points know.
     """
     inner = (share >= ENOUGH).reshape(shape)
     own = np.zeros(shape, bool)
@@ -55,7 +55,7 @@ def extended(shape: tuple[int, int, int], share: Array, touched: Array) -> tuple
         own |= np.roll(inner, (c, b, a), (0, 1, 2))
     number = np.cumsum(own.ravel()) - 1
     nodes = np.flatnonzero(own)
-    outside = np.flatnonzero((touched != 0.0) & ~own.ravel())
+    outside = np.flatnonzero((active != 0.0) & ~own.ravel())
     pieces = [_continued(inner, some) for some in np.array_split(outside, len(outside) // AT_ONCE + 1)]
     row, column, value = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
     rows = np.concatenate([nodes, row])
@@ -66,8 +66,8 @@ def extended(shape: tuple[int, int, int], share: Array, touched: Array) -> tuple
 
 def _continued(inner: NDArray[np.bool_], nodes: Indices) -> tuple[Indices, Indices, Array]:
     """Return which nodes the others follow, and by how much: entries of E; cells at one distance share alike."""
-    reach = range(-FARTHEST, FARTHEST)
-    offsets = np.array([(c, b, a) for c in reach for b in reach for a in reach])  # from a node to a cell
+    along = range(-FARTHEST, FARTHEST)
+    offsets = np.array([(c, b, a) for c in along for b in along for a in along])  # from a node to a cell
     away = np.round(((offsets + 0.5) ** 2).sum(axis=1), 6)
     places = np.column_stack(np.unravel_index(nodes, inner.shape))
     cells = places[:, None, :] + offsets  # beyond the grid's end no cell is filled

@@ -13,7 +13,7 @@ from viscopoint.materials import Material
 from viscopoint.methods.mpm.fills import EXACT_FILL, FILLS
 from viscopoint.methods.mpm.geometry import GEOMETRIES
 from viscopoint.methods.mpm.shapes import SHAPES
-from viscopoint.methods.tlmpm.filling import rod_meridian, watched
+from viscopoint.methods.tlmpm.filling import rod_meridian, with_tracers
 from viscopoint.methods.tlmpm.lattice import LATTICES, cell_by_cell
 from viscopoint.methods.tlmpm.method import Discretisation, TotalLagrangianMethod
 from viscopoint.methods.tlmpm.volumes import VOLUMES
@@ -60,8 +60,9 @@ class TotalLagrangianInput(MethodInput):
             body = rod_meridian(rod.radius, rod.length, self.spacing, round(self.cell / self.spacing))
         else:
             filled = FILLS[self.fill](rod.radius, rod.length, self.spacing)
-            low, high = (filled.position[points[0, 0], 2] for points in (filled.surface.foot, filled.surface.tail))
-            body = watched(filled, float(low + high), self.spacing)
+            faces = filled.surface.impact_face, filled.surface.rear_face
+            low, high = (filled.position[face[0, 0], 2] for face in faces)
+            body = with_tracers(filled, float(low + high), self.spacing)
         return reordered(body, cell_by_cell(body.position, self.edges(body, rod)))
 
     def edges(self, body: Body, rod: Rod) -> tuple[float, float, float]:

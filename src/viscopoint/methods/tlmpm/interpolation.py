@@ -5,7 +5,13 @@ from typing import Any
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import inline
 from viscopoint.kernels.tensors import Float4, Matrix
-from viscopoint.methods.mpm.stencil import gradient, interpolate_with_gradient, pull_in, scatter_gradient, widened
+from viscopoint.methods.mpm.stencil import (
+    gradient,
+    interpolate_with_gradient,
+    scatter_gradient,
+    scatter_hoop_force,
+    with_hoop_strain,
+)
 from viscopoint.methods.tlmpm.lattice import Lattice
 from viscopoint.methods.tlmpm.points import Points
 
@@ -24,7 +30,7 @@ def per_length(a: Matrix, lattice: Any) -> Matrix:
 
 
 @inline
-def follow(points: Points, p: int, lattice: Lattice, velocity: Array, at: Any, dt: float) -> Matrix:
+def move_and_deform(points: Points, p: int, lattice: Lattice, velocity: Array, at: Any, dt: float) -> Matrix:
     """Move point p with the nodes, x += Δt Σ N v_i, and return its change of F, Δt Σ v_i ⊗ ∇0 N."""
     mean, x, y, z = interpolate_with_gradient(velocity, lattice, at)
     points.position[p, 0] += dt * mean.x
@@ -35,15 +41,15 @@ def follow(points: Points, p: int, lattice: Lattice, velocity: Array, at: Any, d
         dt * x.y, dt * y.y, dt * z.y,
         dt * x.z, dt * y.z, dt * z.z,
     )  # fmt: skip
-    return per_length(widened(at, mean, dt, change), lattice)
+    return per_length(with_hoop_strain(at, mean, dt, change), lattice)
 
 
 @inline
-def push(force: Array, lattice: Lattice, at: Any, s: Matrix) -> None:
+def scatter_stress(force: Array, lattice: Lattice, at: Any, s: Matrix) -> None:
     """Add s · ∇0 N to the nodes' force."""
     x, y, z = lattice.per_x, lattice.per_y, lattice.per_z
     scatter_gradient(
         force, lattice, at,
         x * Float4(s.xx, s.yx, s.zx, 0.0), y * Float4(s.xy, s.yy, s.zy, 0.0), z * Float4(s.xz, s.yz, s.zz, 0.0),
     )  # fmt: skip
-    pull_in(at, force, lattice, y * s.yy)
+    scatter_hoop_force(at, force, lattice, y * s.yy)

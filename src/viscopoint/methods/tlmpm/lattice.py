@@ -53,7 +53,7 @@ implements(stencil_around, Lattice)(in_space)
 implements(stencil_around, HalfLattice)(in_half_plane)
 
 
-def around_body(
+def lattice_around(
     reference: Array,
     cell: tuple[float, float, float],
     origin: tuple[float, float, float],
@@ -130,7 +130,7 @@ def cell_row(points: Points, p: int, lattice: Lattice) -> np.uint64:
 
 
 @serial_kernel
-def cover(points: Points, lattice: Lattice, shape: Any, weight: Array, filled: Array, touched: Array) -> None:
+def sum_volumes(points: Points, lattice: Lattice, shape: Any, weight: Array, filled: Array, active: Array) -> None:
     """Sum each node's Σ N V_p and each cell's Σ V_p [mm^3]; mark the nodes that any point knows."""
     for p in range(len(points.volume)):
         at = stencil_at(points, p, lattice, shape)
@@ -140,4 +140,4 @@ def cover(points: Points, lattice: Lattice, shape: Any, weight: Array, filled: A
                 for a in range(len(at.wx)):
                     node = at.first + (np.uint64(c) * lattice.ny + np.uint64(b)) * lattice.nx + np.uint64(a)
                     weight[node] += at.wx[a] * at.wy[b] * at.wz[c] * points.volume[p]
-                    touched[node] = 1.0
+                    active[node] = 1.0

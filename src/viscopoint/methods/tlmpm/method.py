@@ -12,10 +12,10 @@ from viscopoint.materials import Material
 from viscopoint.methods.lagrangian import LagrangianBody
 from viscopoint.methods.mpm.shapes import Shape
 from viscopoint.methods.tlmpm.extension import Extension, extended, multiply
-from viscopoint.methods.tlmpm.lattice import Lattice, around_body, cover
+from viscopoint.methods.tlmpm.lattice import Lattice, lattice_around, sum_volumes
 from viscopoint.methods.tlmpm.points import Points, at_rest
 from viscopoint.methods.tlmpm.stability import stable_length
-from viscopoint.methods.tlmpm.stress import strain_points, watch
+from viscopoint.methods.tlmpm.stress import interpolate_to_points, strain_points
 from viscopoint.methods.tlmpm.volumes import CellMean, Local
 from viscopoint.model.body import Body
 from viscopoint.model.method import FailureHints, Field
@@ -65,7 +65,7 @@ class TotalLagrangianMethod(LagrangianBody):
         super().__init__(body, material, choices.time_step_factor)
         self.shape, self.volume, self.viscosity = choices.shape, choices.volume(), choices.viscosity
         self.points: Points = at_rest(body.position, body.volume, self.block, choices.real)
-        self.lattice: Lattice = around_body(
+        self.lattice: Lattice = lattice_around(
             body.position, choices.cell, choices.origin, choices.lattice, choices.shape.overhang
         )
         self.extension, self.nodes = self._nodes(choices)
@@ -83,15 +83,15 @@ class TotalLagrangianMethod(LagrangianBody):
     def _nodes(self, choices: Discretisation) -> tuple[Extension, Nodes]:
         """Return which nodes have a motion of their own, and what the others make of it."""
         lattice = self.lattice
-        weight, filled, touched = np.zeros((3, len(lattice.force)))
-        cover(self.points, lattice, self.shape, weight, filled, touched)
+        weight, filled, active = np.zeros((3, len(lattice.force)))
+        sum_volumes(self.points, lattice, self.shape, weight, filled, active)
         nx, ny = int(lattice.nx), int(lattice.ny)
         shape = (len(weight) // (nx * ny), ny, nx)
         every = np.column_stack(np.unravel_index(np.arange(len(weight)), shape))[:, ::-1]
         steps: Array = (every - np.array([lattice.i0, lattice.j0, lattice.k0])).astype(float)
         places = np.array(choices.origin) + steps * np.array(choices.cell)
         room = lattice.geometry.room(places[:, 0], choices.cell)
-        extension, rows = extended(shape, filled / room, touched)
+        extension, rows = extended(shape, filled / room, active)
         position = places[rows]
         mass = np.zeros((len(rows), 3))
         multiply(extension.back, self.material.density * np.column_stack([weight] * 3), mass)
@@ -164,7 +164,7 @@ class TotalLagrangianMethod(LagrangianBody):
         """Return the points' velocity, Σ N v_i."""
         self._extend()
         found = np.empty((len(self.points.volume), 3))
-        watch(self.points, self.lattice, self.shape, self.lattice.velocity, found)
+        interpolate_to_points(self.points, self.lattice, self.shape, self.lattice.velocity, found)
         return found
 
     def snapshot(self) -> dict[str, Field]:

@@ -12,7 +12,7 @@ from viscopoint.model.points import MaterialState, VolumeState, material_at_rest
 
 
 class Points(NamedTuple):
-    """Row p is the same piece of material from start to end. Points of no volume only watch.
+    """Row p is the same piece of material from start to end. Points of no volume are tracers.
 
     In single precision X and x stay double; F in double brought nothing that could be measured (docs/precision.md).
     """
@@ -39,14 +39,14 @@ def at_rest(position: Array, volume: Array, material: MaterialBlock, real: Real 
 
 
 @inline
-def deformation(points: Points, p: int) -> Matrix:
+def load_deformation(points: Points, p: int) -> Matrix:
     """Return F of point p."""
     f = points.deformation[p]
     return Matrix(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8])
 
 
 @inline
-def keep_deformation(points: Points, p: int, f: Matrix) -> None:
+def store_deformation(points: Points, p: int, f: Matrix) -> None:
     """Store F of point p."""
     row = points.deformation[p]
     row[0], row[1], row[2] = f.xx, f.xy, f.xz

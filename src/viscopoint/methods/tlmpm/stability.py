@@ -18,7 +18,7 @@ from viscopoint.kernels.jit import PARTS, kernel
 from viscopoint.kernels.slabs import COLOURS, coloured_slabs_of
 from viscopoint.kernels.tensors import Matrix
 from viscopoint.methods.tlmpm.extension import Extension, multiply
-from viscopoint.methods.tlmpm.interpolation import push, reference_gradient
+from viscopoint.methods.tlmpm.interpolation import reference_gradient, scatter_stress
 from viscopoint.methods.tlmpm.lattice import Lattice, stencil_at
 from viscopoint.methods.tlmpm.points import Points
 
@@ -42,18 +42,18 @@ def stable_length(
     """
     per_mass = density / mass[:, None]
     highest = 0.0
-    for swelling, shearing in ((1.0, 0.0), (-0.5, 1.5)):
+    for lame, shear in ((1.0, 0.0), (-0.5, 1.5)):
         motion = free * np.random.default_rng(1).normal(size=free.shape)
         square = 0.0
         for _ in range(ROUNDS):
             motion /= np.sqrt((motion**2 / per_mass).sum())
             multiply(extension.out, motion, lattice.velocity)
             lattice.force[:] = 0.0
-            stiffen(points, lattice, shape, swelling, shearing)
-            answer = np.empty_like(motion)
-            multiply(extension.back, lattice.force, answer)
-            square = float((motion * answer).sum())
-            motion = free * answer * per_mass
+            scatter_stiffness(points, lattice, shape, lame, shear)
+            force = np.empty_like(motion)
+            multiply(extension.back, lattice.force, force)
+            square = float((motion * force).sum())
+            motion = free * force * per_mass
         highest = max(highest, square)
     lattice.velocity[:] = 0.0
     lattice.force[:] = 0.0
@@ -61,8 +61,8 @@ def stable_length(
 
 
 @kernel(PARTS, COLOURS)
-def stiffen(part: int, points: Points, lattice: Lattice, shape: Any, swelling: float, shearing: float) -> None:
-    """Add to the nodes Σ V_p s ∇0 N of s = (``swelling`` tr ε) I + ``shearing`` ε."""
+def scatter_stiffness(part: int, points: Points, lattice: Lattice, shape: Any, lame: float, shear: float) -> None:
+    """Add to the nodes Σ V_p s ∇0 N of the stress s = λ (tr ε) I + 2μ ε, ``lame`` and ``shear``."""
     start = lattice.start
     for slab in coloured_slabs_of(start, len(start) - 1, part):
         for q in range(lattice.cells[start[slab]], lattice.cells[start[slab + 1]]):
@@ -70,7 +70,7 @@ def stiffen(part: int, points: Points, lattice: Lattice, shape: Any, swelling: f
             at = stencil_at(points, p, lattice, shape)
             a = reference_gradient(lattice.velocity, lattice, at, 1.0)
             size = points.volume[p]
-            mean, shear = size * swelling * (a.xx + a.yy + a.zz), size * shearing
-            xx, yy, zz = mean + shear * a.xx, mean + shear * a.yy, mean + shear * a.zz
-            xy, yz, zx = 0.5 * shear * (a.xy + a.yx), 0.5 * shear * (a.yz + a.zy), 0.5 * shear * (a.zx + a.xz)
-            push(lattice.force, lattice, at, Matrix(xx, xy, zx, xy, yy, yz, zx, yz, zz))
+            mean, pair = size * lame * (a.xx + a.yy + a.zz), size * shear
+            xx, yy, zz = mean + pair * a.xx, mean + pair * a.yy, mean + pair * a.zz
+            xy, yz, zx = 0.5 * pair * (a.xy + a.yx), 0.5 * pair * (a.yz + a.zy), 0.5 * pair * (a.zx + a.xz)
+            scatter_stress(lattice.force, lattice, at, Matrix(xx, xy, zx, xy, yy, yz, zx, yz, zz))

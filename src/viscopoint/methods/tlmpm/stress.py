@@ -22,9 +22,9 @@ from viscopoint.kernels.tensors import (
 from viscopoint.kernels.workspace import columns, load, load_matrix, load_sym, store, workspace
 from viscopoint.materials.block import AFTER, GRADIENT, STRESS, SWEPT, MaterialCode, call_block
 from viscopoint.methods.mpm.stencil import interpolate
-from viscopoint.methods.tlmpm.interpolation import follow, push
+from viscopoint.methods.tlmpm.interpolation import move_and_deform, scatter_stress
 from viscopoint.methods.tlmpm.lattice import Lattice, cells_in_block, stencil_at
-from viscopoint.methods.tlmpm.points import Points, deformation, keep_deformation
+from viscopoint.methods.tlmpm.points import Points, load_deformation, store_deformation
 from viscopoint.methods.tlmpm.volumes import DETERMINANT, MID_JACOBIAN, SHARED, VOLUME, share
 from viscopoint.model.points import (
     VISCOUS,
@@ -65,8 +65,8 @@ def strain_points(
             for i in range(count):
                 p: int = order[first + i]
                 at = stencil_at(points, p, lattice, shape)
-                store(work, STEP, i, follow(points, p, lattice, lattice.velocity, at, dt))
-                store(work, DEFORMATION, i, deformation(points, p))
+                store(work, STEP, i, move_and_deform(points, p, lattice, lattice.velocity, at, dt))
+                store(work, DEFORMATION, i, load_deformation(points, p))
                 store(work, VOLUME, i, points.volume[p])
                 load_material(points.material, p, work, i, material.n_history)
                 load_volume(points.shared, p, work, i)
@@ -78,14 +78,16 @@ def strain_points(
                 respond(work, i, lattice, material, viscosity, stable_length, dt)
             for i in range(count):
                 p: int = order[first + i]
-                keep_deformation(points, p, load_matrix(work, DEFORMATION, i))
+                store_deformation(points, p, load_matrix(work, DEFORMATION, i))
                 if load(work, DETERMINANT, i) > 0.0 and load(work, MID_JACOBIAN, i) > 0.0:
                     store_material(points.material, p, work, i, material.n_history)
                     store_volume(points.shared, p, work, i)
-                    push(lattice.force, lattice, stencil_at(points, p, lattice, shape), load_matrix(work, STEP, i))
+                    scatter_stress(
+                        lattice.force, lattice, stencil_at(points, p, lattice, shape), load_matrix(work, STEP, i)
+                    )
                     least = min(least, load(work, STEP_LENGTH, i))
                 elif load(work, VOLUME, i) > 0.0:
-                    least = 0.0  # turned inside out: no step is short enough. What is only watched may
+                    least = 0.0  # turned inside out: no step is short enough. Tracers may be
             cell = last
         critical[slab] = least
 
@@ -133,7 +135,7 @@ def respond(
 
 
 @kernel()
-def watch(part: int, points: Points, lattice: Lattice, shape: Any, field: Array, found: Array) -> None:
+def interpolate_to_points(part: int, points: Points, lattice: Lattice, shape: Any, field: Array, found: Array) -> None:
     """Read Σ N field at each point into ``found[p, 3]``."""
     for p in chunk(part, PARTS, len(found)):
         mean = interpolate(field, lattice, stencil_at(points, p, lattice, shape))

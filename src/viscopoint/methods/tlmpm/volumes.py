@@ -60,7 +60,7 @@ def over_cells(volume: CellMean, work: Any, lattice: Lattice, first: int, last: 
             middle += half
             swept += half * load(work, SWEPT, i)
             now += part * load(work, AFTER, i)
-        if whole > 0.0:  # else only watched
+        if whole > 0.0:  # else only tracers
             for i in members:
                 store(work, SWEPT, i, swept / middle)
                 store(work, AFTER, i, now / whole)

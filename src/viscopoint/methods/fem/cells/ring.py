@@ -24,7 +24,7 @@ from viscopoint.kernels.tensors import Columns, Vec, applied, dot
 from viscopoint.methods.fem import cells
 from viscopoint.methods.fem.cells import Corners, Hourglass
 
-TURN = 2.0 * math.pi
+TWO_PI = 2.0 * math.pi
 GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 rule, whose points stand like the corners; it integrates all here exactly
 #                0     1     2     3
 XI = np.array([-1.0, 1.0, 1.0, -1.0])
@@ -127,7 +127,7 @@ def moved_on(place: Modes, step: float, velocity: Modes) -> Modes:
 @implements(cells.volume_gradient, Modes)
 def ring_weights(place: Modes) -> Weights:
     r, a, b, g = place.mean.x, place.xi, place.eta, place.both
-    full, third = 4.0 * TURN, 4.0 * TURN / 3.0
+    full, third = 4.0 * TWO_PI, 4.0 * TWO_PI / 3.0
     return Weights(
         Vec(0.0, full * _area(a, b), 0.0),
         Vec(
@@ -149,8 +149,8 @@ def weights_at(place: Modes, xi: float, eta: float) -> tuple[Weights, float]:
     """Return the weights of a point of weight one, and the volume of the ring that it stands for [mm^3]."""
     r = place.mean.x + xi * place.xi.x + eta * place.eta.x + xi * eta * place.both.x
     a, b = place.xi + eta * place.both, place.eta + xi * place.both
-    around, area = TURN * r, _area(a, b)
-    hoop = TURN * area
+    around, area = TWO_PI * r, _area(a, b)
+    hoop = TWO_PI * area
     return Weights(
         Vec(0.0, hoop, 0.0),
         Vec(around * b.z, hoop * xi, -around * b.x),
@@ -162,7 +162,7 @@ def weights_at(place: Modes, xi: float, eta: float) -> tuple[Weights, float]:
 @implements(cells.volume, Modes)
 def exact_volume(place: Modes, gradient: Weights) -> float:
     a, b, g = place.xi, place.eta, place.both
-    return 4.0 * TURN * (place.mean.x * _area(a, b) + (a.x * _area(a, g) + b.x * _area(g, b)) / 3.0)
+    return 4.0 * TWO_PI * (place.mean.x * _area(a, b) + (a.x * _area(a, g) + b.x * _area(g, b)) / 3.0)
 
 
 @implements(cells.mean_gradient, Modes)
@@ -206,7 +206,7 @@ def corner_volumes(place: Modes) -> Modes:
     """Return what the ring's volume puts on the modes, ∫(1, ξ, η, ξη), for ``at_corner``; in x alone [mm^3]."""
     r, a, b, g = place.mean.x, place.xi, place.eta, place.both
     k, k_xi, k_eta = _area(a, b), _area(a, g), _area(g, b)
-    full = TURN  # a quarter of 4 TURN
+    full = TWO_PI  # a quarter of 4 TWO_PI
     return Modes(
         Vec(full * (r * k + (a.x * k_xi + b.x * k_eta) / 3.0), 0.0, 0.0),
         Vec(full * ((r * k_xi + a.x * k) / 3.0 + g.x * k_eta / 9.0), 0.0, 0.0),
@@ -216,7 +216,7 @@ def corner_volumes(place: Modes) -> Modes:
 
 
 @inline
-def held_by_axis(place: Modes, k: int) -> bool:
+def on_axis(place: Modes, k: int) -> bool:
     """Return whether a corner stands on the axis."""
     return at_corner(place, k).x <= ON_AXIS * place.mean.x
 
@@ -227,7 +227,7 @@ def volumetric(place: Modes, weights: Weights) -> float:
     found, shares = 0.0, corner_volumes(place)
     for k in range(4):
         w = 0.25 * at_corner(weights, k)
-        widening = 0.0 if held_by_axis(place, k) else w.x + w.y
+        widening = 0.0 if on_axis(place, k) else w.x + w.y
         found += (widening * widening + w.z * w.z) / at_corner(shares, k).x
     return found
 
@@ -246,7 +246,7 @@ def shearing(place: Modes, weights: Weights) -> float:
         up = 2.0 / 3.0 * w.z * w.z + 0.5 * w.x * w.x
         mixed = w.z * (w.x - 2.0 * w.y) / 6.0
         largest = 0.5 * (out + up) + math.sqrt(0.25 * (out - up) ** 2 + mixed * mixed)
-        found += (up if held_by_axis(place, k) else largest) / at_corner(shares, k).x
+        found += (up if on_axis(place, k) else largest) / at_corner(shares, k).x
     return found
 
 
@@ -266,13 +266,14 @@ def with_shear(place: Modes, gradient: Weights, volume: float, sharpest: float) 
 
 
 @inline
-def longest(swelling: float, shear: float) -> float:
+def longest(volumetric_strain: float, shear: float) -> float:
     """Return l such that no element frequency exceeds 2c/l, from what either takes per volume of the ring [1/mm^2].
 
-    By Cauchy and Schwarz ω² <= (K swelling + 2G shear) / ρ, and with M = K + 4G/3 no more than the larger of
-    c² swelling and 3/2 c² shear. Corners weigh what their share of the ring does: beside the axis, that is little.
+    By Cauchy and Schwarz ω² <= (K ``volumetric_strain`` + 2G ``shear``) / ρ, and with M = K + 4G/3 no more than the
+    larger of c² ``volumetric_strain`` and 3/2 c² ``shear``. Corners weigh what their share of the ring does: beside the
+    axis, that is little.
     """
-    return 2.0 / math.sqrt(max(swelling, 1.5 * shear))
+    return 2.0 / math.sqrt(max(volumetric_strain, 1.5 * shear))
 
 
 # --- forces ---

@@ -31,7 +31,7 @@ class Element(Protocol):
 
     @property
     def hourglass_modes(self) -> bool:
-        """Whether it remembers forces on hourglass modes."""
+        """Whether it stores forces on hourglass modes."""
         ...
 
 
@@ -40,7 +40,7 @@ ELEMENTS: Registry[type[Element]] = Registry()
 
 @generic
 def load_own(element: Any, elements: Elements, e: int, work: Any, i: int) -> None:
-    """Take what element e alone remembers to the workspace."""
+    """Load what element e has of its own into the workspace."""
 
 
 @generic
@@ -74,7 +74,7 @@ def modal_forces(
 
 @generic
 def store_own(element: Any, elements: Elements, e: int, work: Any, i: int) -> None:
-    """Give element e back what it alone remembers."""
+    """Store what element e has of its own."""
 
 
 @inline

@@ -51,17 +51,17 @@ def mean_strain(element: OnePoint, work: Any, i: int, cell: Any, dt: float) -> N
     store(work, SWEPT, i, volumetric(matrix(stretch)))
     whole = now > 0.0 and mid_volume > 0.0 and cells.smallest_length(place, gradient, now) > 0.0
     store(work, WHOLE, i, 1.0 if whole else 0.0)
-    slip = unexplained(cells.hourglass_of(flow), dt, stretch, cells.hourglass_of(middle))
-    store(work, FLOW, i, hourglass_numbers(slip))
+    motion = hourglass_motion(cells.hourglass_of(flow), dt, stretch, cells.hourglass_of(middle))
+    store(work, FLOW, i, hourglass_numbers(motion))
 
 
 @implements(elements.strain, OnePoint)
-def as_the_mean(element: OnePoint, work: Any, i: int, k: int, cell: Any, dt: float) -> None:
+def nothing_to_strain(element: OnePoint, work: Any, i: int, k: int, cell: Any, dt: float) -> None:
     pass
 
 
 @implements(elements.gather, OnePoint)
-def alone(element: OnePoint, work: Any, i: int, k: int, cell: Any) -> None:
+def nothing_to_gather(element: OnePoint, work: Any, i: int, k: int, cell: Any) -> None:
     pass
 
 
@@ -75,18 +75,19 @@ def with_hourglass(
     element: OnePoint, work: Any, i: int, cell: Any, place: Any, gradient: Any, material: MaterialCode, sound: float,
     length: float, dt: float,
 ) -> Any:  # fmt: skip
-    slip = hourglass_of_numbers(load_tuple(work, FLOW, i, TWELVE))
+    motion = hourglass_of_numbers(load_tuple(work, FLOW, i, TWELVE))
     before = hourglass_of_numbers(load_tuple(work, WEIGHTS, i, TWELVE))
-    mass, turn = material.density * load(work, REFERENCE, i), rotation_of(load_matrix(work, GRADIENT, i))
-    h, taken = hourglass_force(element.hourglass, before, slip, turn, dt, mass, sound, length)
+    mass, rotation = material.density * load(work, REFERENCE, i), rotation_of(load_matrix(work, GRADIENT, i))
+    h, taken = hourglass_force(element.hourglass, before, motion, rotation, dt, mass, sound, length)
     store(work, WEIGHTS, i, hourglass_numbers(h))
     add(work, HOURGLASS_WORK, i, taken)
     stress = load_sym(work, STRESS, i) - spherical(load(work, VISCOUS, i))
-    return cells.mean_forces(place, gradient, pulling(stress, h, cells.hourglass_of(place), load(work, VOLUME, i)), h)
+    pull = modal_stress(stress, h, cells.hourglass_of(place), load(work, VOLUME, i))
+    return cells.mean_forces(place, gradient, pull, h)
 
 
 @inline
-def unexplained(flow: Hourglass, dt: float, gradient: Columns, place: Hourglass) -> Hourglass:
+def hourglass_motion(flow: Hourglass, dt: float, gradient: Columns, place: Hourglass) -> Hourglass:
     """Return the step of the hourglass modes less what the mean gradient explains, q = Δt v_α - G x_α, at mid-step."""
     return Hourglass(
         dt * flow.eta_zeta - applied(gradient, place.eta_zeta),
@@ -97,7 +98,7 @@ def unexplained(flow: Hourglass, dt: float, gradient: Columns, place: Hourglass)
 
 
 @inline
-def pulling(stress: Sym, h: Hourglass, place: Hourglass, volume: float) -> Columns:
+def modal_stress(stress: Sym, h: Hourglass, place: Hourglass, volume: float) -> Columns:
     """Return what acts like a uniform stress: -σ, and a part of the hourglass control.
 
     The power of the latter, Σ h·q, is Σ h·v_α - (Σ h ⊗ x_α) : L with L = Σ v_m ⊗ ∂V/∂x_m / V; the second part acts

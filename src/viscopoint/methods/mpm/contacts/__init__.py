@@ -1,6 +1,6 @@
 """When the rigid wall's nodes are held: one short file each, found by itself.
 
-A choice is a NamedTuple, offered under the name that a case uses, and an implementation of ``closed``.
+A choice is a NamedTuple, registered under the name that a case uses, and an implementation of ``closed``.
 """
 
 from typing import Any, Protocol

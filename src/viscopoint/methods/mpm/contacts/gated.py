@@ -24,7 +24,7 @@ from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import Stencil, stencil_at
 
 TOUCHING = 1e-9  # cells; a foot that stands on the wall does so whatever the last bit of its height
-REACH = 2  # cells; points further above the wall act on none of its nodes
+SUPPORT = 2  # cells; points further above the wall act on none of its nodes
 
 
 @CONTACTS.register("gated")
@@ -42,7 +42,7 @@ class Gated(NamedTuple):
         zero(arrived)
         slabs = len(grid.start) - 2
         if wall.normal[2] == 1.0:  # few points: only slabs that begin below this plane
-            slabs = min(max(int((wall.point[2] - grid.z0) * grid.per_cell) + REACH, 0) // grid.layers + 1, slabs)
+            slabs = min(max(int((wall.point[2] - grid.z0) * grid.per_cell) + SUPPORT, 0) // grid.layers + 1, slabs)
         mark_arrived(points, grid, shape, wall, half, slabs, arrived)
         return cls(arrived)
 

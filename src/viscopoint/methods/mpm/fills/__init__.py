@@ -1,6 +1,6 @@
 """How material points fill the rod: one short file each, found by itself.
 
-A fill is a function of radius, length and spacing [mm], offered under the name that a case uses, that returns an
+A fill is a function of radius, length and spacing [mm], registered under the name that a case uses, that returns an
 upright rod with its foot at z = 0. Its points are about ``spacing`` apart, in at least two layers. ``MERIDIANS`` are
 those of axisymmetric rods (``mpm.geometry``), under the same names.
 """
@@ -28,16 +28,17 @@ class Layer(NamedTuple):
     volume: Array  # [p], mm^3
     rim: Any  # which of them show where the surface is
     start: Array  # how far from the axis these are, mm
-    near: float  # ``Surface.near``, mm
+    contact_height: float  # ``Surface.contact_height``, mm
 
 
-def stacked(layer: Layer, layers: int, height: float, radius: float) -> Body:
-    """Return an upright rod, its foot at z = 0, of layers of a height [mm]."""
+def stacked(layer: Layer, layers: int, thickness: float, radius: float) -> Body:
+    """Return an upright rod, its foot at z = 0, of layers of a ``thickness`` [mm]."""
     x, y, count = layer.x, layer.y, len(layer.x)
-    z = (np.arange(layers) + 0.5) * height
+    z = (np.arange(layers) + 0.5) * thickness
     position = np.stack([np.tile(x, layers), np.tile(y, layers), np.repeat(z, count)], axis=1, dtype=np.float64)
     index = np.arange(len(position)).reshape(layers, count)
-    surface = layered_surface(index, layer.rim, layer.start, radius, reach=0.5, near=layer.near)
+    rim, start, height = layer.rim, layer.start, layer.contact_height
+    surface = layered_surface(index, rim, start, radius, end_overhang=0.5, contact_height=height)
     return Body(position, np.tile(layer.volume, layers), surface)
 
 

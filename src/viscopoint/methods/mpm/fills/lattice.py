@@ -22,5 +22,5 @@ def rod_lattice(radius: float, length: float, spacing: float) -> Body:
     layers = int(length / spacing + 0.5 + 1e-9)
     start = np.hypot(x, y)
     rim = start > radius - spacing
-    layer = Layer(x, y, np.full(len(x), spacing**3), rim, start[rim], near=0.5 * spacing)
+    layer = Layer(x, y, np.full(len(x), spacing**3), rim, start[rim], contact_height=0.5 * spacing)
     return stacked(layer, layers, spacing, radius)

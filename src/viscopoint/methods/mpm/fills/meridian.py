@@ -31,5 +31,5 @@ def boxes(radius: float, rings: int, thickness: float, layers: int, height: floa
     """Return an upright rod of ``rings`` times ``layers`` boxes, its foot at z = 0; the case's radius is ``radius``."""
     r: Array = np.linspace(0.5, rings - 0.5, rings) * thickness
     outermost, volume = slice(None, -3, -1), 2.0 * np.pi * r * thickness * height
-    layer = Layer(r, np.zeros(rings), volume, outermost, r[outermost], near=0.5 * thickness)
+    layer = Layer(r, np.zeros(rings), volume, outermost, r[outermost], contact_height=0.5 * thickness)
     return stacked(layer, layers, height, radius)

@@ -36,5 +36,5 @@ def rod_rings(radius: float, length: float, spacing: float) -> Body:
     x, y = distance[of] * np.cos(angle), distance[of] * np.sin(angle)
     rim = of >= rings - 2
     volume = np.full(len(x), np.pi * thickness**2 / INNERMOST * height)
-    layer = Layer(x, y, volume, rim, distance[of[rim]], near=0.5 * thickness)
+    layer = Layer(x, y, volume, rim, distance[of[rim]], contact_height=0.5 * thickness)
     return stacked(layer, layers, height, radius)

@@ -35,7 +35,7 @@ def rod_trimmed(radius: float, length: float, spacing: float) -> Body:
     height = length / layers
     start = np.hypot(x, y)
     rim = start > radius - spacing
-    return stacked(Layer(x, y, area * height, rim, start[rim], near=0.5 * spacing), layers, height, radius)
+    return stacked(Layer(x, y, area * height, rim, start[rim], contact_height=0.5 * spacing), layers, height, radius)
 
 
 def _cut_squares(edges: Array, radius: float) -> tuple[Array, Array, Array]:
@@ -54,9 +54,9 @@ def _cut_squares(edges: Array, radius: float) -> tuple[Array, Array, Array]:
         breaks = np.unique(np.clip(np.concatenate([[x0, x1], kinks, -kinks]), max(x0, -radius), min(x1, radius)))
         for a, b in pairwise(np.arcsin(breaks / radius)):
             angle = 0.5 * (a + b) + 0.5 * (b - a) * points
-            x, reach = radius * np.sin(angle), radius * np.cos(angle)
-            inside = np.clip(high[:, None], -reach, reach) - np.clip(low[:, None], -reach, reach)
-            share = 0.5 * (b - a) * weights * reach
+            x, half_chord = radius * np.sin(angle), radius * np.cos(angle)
+            inside = np.clip(high[:, None], -half_chord, half_chord) - np.clip(low[:, None], -half_chord, half_chord)
+            share = 0.5 * (b - a) * weights * half_chord
             area[i] += inside @ share
             moment[i] += inside @ (share * x)
     x = np.divide(moment, area, out=np.zeros_like(area), where=area > 0.0)

@@ -1,6 +1,6 @@
 """Shape functions of the background grid: one short file each, found by itself.
 
-A shape function is a NamedTuple (of its parameters, if it has any), offered under the name that a case uses, and
+A shape function is a NamedTuple (of its parameters, if it has any), registered under the name that a case uses, and
 implementations of ``stencil`` and ``along``. The three axes are independent: N(x, y, z) = N(x) N(y) N(z).
 """
 

@@ -1,10 +1,10 @@
-"""What points and nodes tell each other of their motion: one short file each, found by itself.
+"""Transfers between points and nodes (P2G, G2P): one short file each, found by itself.
 
-A transfer is a NamedTuple (of its parameters, if it has any), offered under the name that a case uses, and
-implementations of ``give``, ``give_with_force`` and ``take``. In all of them the points move with Σ N v_i, the velocity
-of the accelerated nodes, and linear momentum goes over without loss. They differ in what a point remembers:
+A transfer is a NamedTuple (of its parameters, if it has any), registered under the name that a case uses, and
+implementations of ``p2g``, ``p2g_with_force`` and ``g2p``. In all of them the points move with Σ N v_i, the velocity
+of the accelerated nodes, and linear momentum goes over without loss. They differ in what a point stores:
 
-- of velocities that the nodes do not see: FLIP keeps them for good, and with them the noise; the others forget;
+- of velocities that the nodes do not see: FLIP keeps them, and with them the noise; the others damp them;
 - of the motion around the point: FLIP and PIC nothing, APIC a moment, TPIC a gradient.
 
 A wave of which points and nodes leave each other the share F per exchange, S⁺S v = F v (S interpolates to the points by
@@ -24,7 +24,7 @@ from viscopoint.methods.mpm.stencil import Stencil
 
 
 class Transfer(Protocol):
-    """What the method asks of a transfer beside ``give``, ``give_with_force`` and ``take``."""
+    """What the method asks of a transfer beside ``p2g``, ``p2g_with_force`` and ``g2p``."""
 
     @classmethod
     def chosen(cls, pic: float) -> Self:
@@ -46,19 +46,19 @@ TRANSFERS: Registry[type[Transfer]] = Registry()
 
 
 @generic
-def give(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil) -> None:
+def p2g(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     """Add mass and momentum of point p to the nodes around it, for the velocity by which points are strained."""
     raise NotImplementedError
 
 
 @generic
-def give_with_force(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil, pull: Sym) -> None:
+def p2g_with_force(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil, pull: Sym) -> None:
     """Add mass and momentum of point p, and the force ``pull`` · ∇N (per cell) [N], in one visit to each node."""
     raise NotImplementedError
 
 
 @generic
-def take(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil) -> None:
+def g2p(transfer: Any, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     """Let point p have its new velocity, and note Σ N v_i, at which it will move."""
     raise NotImplementedError
 

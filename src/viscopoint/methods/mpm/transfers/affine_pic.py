@@ -35,7 +35,7 @@ from viscopoint.methods.mpm.affine import (
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import Stencil, gradient, interpolate
-from viscopoint.methods.mpm.transfers import TRANSFERS, give, give_with_force, store_velocity, take
+from viscopoint.methods.mpm.transfers import TRANSFERS, g2p, p2g, p2g_with_force, store_velocity
 
 LEAST = 1.0 / 6.0  # cells²: the mean of trilinear D over a cell
 
@@ -100,7 +100,7 @@ def momentum_and_force(transfer: Any, points: Points, p: int, grid: Grid, at: St
     scatter_force(grid, at, pull)
 
 
-@implements(take, Apic)
+@implements(g2p, Apic)
 def take_moment(transfer: Apic, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     moves = interpolate(grid.velocity, grid, at)
     store_velocity(points, p, moves, moves)
@@ -108,7 +108,7 @@ def take_moment(transfer: Apic, points: Points, p: int, grid: Grid, at: Stencil)
     points.affine_energy[p] = affine_energy(at, slope(transfer, points, p, grid, at, 0.0))
 
 
-@implements(take, Tpic)
+@implements(g2p, Tpic)
 def take_gradient(transfer: Tpic, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     moves = interpolate(grid.velocity, grid, at)
     store_velocity(points, p, moves, moves)
@@ -118,5 +118,5 @@ def take_gradient(transfer: Tpic, points: Points, p: int, grid: Grid, at: Stenci
 
 
 for _transfer in (Apic, Tpic):
-    implements(give, _transfer)(momentum)
-    implements(give_with_force, _transfer)(momentum_and_force)
+    implements(p2g, _transfer)(momentum)
+    implements(p2g_with_force, _transfer)(momentum_and_force)

@@ -14,7 +14,7 @@ from viscopoint.kernels.tensors import Float4, Sym
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import Stencil, interpolate_motion, scatter, scatter_with_force
-from viscopoint.methods.mpm.transfers import TRANSFERS, give, give_with_force, store_velocity, take
+from viscopoint.methods.mpm.transfers import TRANSFERS, g2p, p2g, p2g_with_force, store_velocity
 
 
 @TRANSFERS.register("flip")
@@ -31,19 +31,19 @@ class Flip(NamedTuple):
         return cls(pic)
 
 
-@implements(give, Flip)
+@implements(p2g, Flip)
 def momentum(transfer: Flip, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     m, v = points.mass[p], points.velocity[p]
     scatter(grid.momentum, grid, at, m * v[0], m * v[1], m * v[2], m)
 
 
-@implements(give_with_force, Flip)
+@implements(p2g_with_force, Flip)
 def momentum_and_force(transfer: Flip, points: Points, p: int, grid: Grid, at: Stencil, pull: Sym) -> None:
     m, v = points.mass[p], points.velocity[p]
     scatter_with_force(grid, at, m * v[0], m * v[1], m * v[2], m, pull)
 
 
-@implements(take, Flip)
+@implements(g2p, Flip)
 def gained(transfer: Flip, points: Points, p: int, grid: Grid, at: Stencil) -> None:
     moves, gains = interpolate_motion(grid, at)
     v, pic = points.velocity[p], transfer.pic

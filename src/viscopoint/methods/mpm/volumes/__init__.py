@@ -1,8 +1,8 @@
 """Whose volume and pressure a point has: one short file each, found by itself.
 
 Nearly incompressible points that each resist their own change of volume lock: a cell has few velocities of its own, of
-which every point takes one for itself. A cure is a NamedTuple, offered under the name that a case uses, and
-implementations of ``dilated`` and of its counterpart ``pull``: what counts as strain must also do the work.
+which every point takes one for itself. A cure is a NamedTuple, registered under the name that a case uses, and
+implementations of ``dilatation`` and of its counterpart ``acting_stress``: what counts as strain must also do the work.
 """
 
 from typing import Any, Protocol
@@ -15,18 +15,18 @@ from viscopoint.methods.mpm.points import Points
 
 
 class Volume(Protocol):
-    """What the method asks of the choice beside ``dilated`` and ``pull``."""
+    """What the method asks of the choice beside ``dilatation`` and ``acting_stress``."""
 
     spares: int  # how many spare arrays of nodes the choice needs
 
     @classmethod
-    def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "Volume":
-        """Return what ``dilated`` needs for the step that the nodes' velocity makes in ``dt``."""
+    def of_strain(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "Volume":
+        """Return what ``dilatation`` needs for the step that the nodes' velocity makes in ``dt``."""
         ...
 
     @classmethod
-    def pressed(cls, points: Points, grid: Grid) -> "Volume":
-        """Return what ``pull`` needs of the points' pressures."""
+    def of_pressure(cls, points: Points, grid: Grid) -> "Volume":
+        """Return what ``acting_stress`` needs of the points' pressures."""
         ...
 
 
@@ -34,11 +34,11 @@ VOLUMES: Registry[type[Volume]] = Registry()
 
 
 @generic
-def dilated(volume: Any, points: Points, p: int, grid: Grid, swept: float, ratio: float) -> tuple[float, float]:
+def dilatation(volume: Any, points: Points, p: int, grid: Grid, swept: float, ratio: float) -> tuple[float, float]:
     """Return the volumetric strain and the volume ratio of a step that point p shall have.
 
     Args:
-        volume: the choice, ``strained``.
+        volume: the choice, ``of_strain``.
         points: all points, where the step began.
         p: the point.
         grid: where the cells are.
@@ -49,8 +49,8 @@ def dilated(volume: Any, points: Points, p: int, grid: Grid, swept: float, ratio
 
 
 @generic
-def pull(volume: Any, points: Points, p: int, grid: Grid) -> Sym:
-    """Return the stress, bulk viscosity included, with which point p acts on the nodes; ``volume`` is ``pressed``."""
+def acting_stress(volume: Any, points: Points, p: int, grid: Grid) -> Sym:
+    """Return the stress, less bulk viscosity, with which point p acts on the nodes; ``volume`` is ``of_pressure``."""
     raise NotImplementedError
 
 

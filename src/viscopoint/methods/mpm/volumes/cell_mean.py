@@ -20,7 +20,7 @@ from viscopoint.kernels.tensors import Sym, deviator, read, spherical, trace
 from viscopoint.methods.mpm.grid import Grid, zero
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import cell_row, gradient, stencil_at
-from viscopoint.methods.mpm.volumes import VOLUMES, dilated, pull
+from viscopoint.methods.mpm.volumes import VOLUMES, acting_stress, dilatation
 
 
 @VOLUMES.register("cell-mean")
@@ -32,14 +32,14 @@ class CellMean(NamedTuple):
     spares = 1
 
     @classmethod
-    def strained(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "CellMean":
+    def of_strain(cls, points: Points, grid: Grid, shape: Any, dt: float) -> "CellMean":
         sums = grid.spare[0]
         zero(sums)
         sum_dilatation(points, grid, shape, dt, sums)
         return cls(sums)
 
     @classmethod
-    def pressed(cls, points: Points, grid: Grid) -> "CellMean":
+    def of_pressure(cls, points: Points, grid: Grid) -> "CellMean":
         sums = grid.spare[0]
         zero(sums)
         sum_tension(points, grid, sums)
@@ -79,7 +79,7 @@ def sum_tension(part: int, points: Points, grid: Grid, sums: Array) -> None:
             sums[cell, 1] += volume * (trace(read(points.material.stress[p])) / 3.0 - points.shared.viscous_pressure[p])
 
 
-@implements(dilated, CellMean)
+@implements(dilatation, CellMean)
 def shared_volume(
     volume: CellMean, points: Points, p: int, grid: Grid, swept: float, ratio: float
 ) -> tuple[float, float]:
@@ -88,7 +88,7 @@ def shared_volume(
     return volume.sums[cell, 1] / whole, 1.0 + volume.sums[cell, 2] / whole
 
 
-@implements(pull, CellMean)
+@implements(acting_stress, CellMean)
 def shared_pressure(volume: CellMean, points: Points, p: int, grid: Grid) -> Sym:
     cell = cell_row(points, p, grid)
     return deviator(read(points.material.stress[p])) + spherical(volume.sums[cell, 1] / volume.sums[cell, 0])

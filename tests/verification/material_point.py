@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscopoint.kernels.kinematics import at_mid_step, strain_and_rotation, volume_ratio
+from viscopoint.kernels.tensors import IDENTITY as STILL
 from viscopoint.kernels.tensors import Matrix, Sym
 from viscopoint.materials import Increment, update_stress
-from viscopoint.materials.block import IDENTITY as STILL
 from viscopoint.materials.block import MaterialBlock
 from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic

@@ -16,7 +16,7 @@ from shocks import Shock
 
 from viscopoint.interactions.planes import Interaction, rigid_wall, symmetry_plane
 from viscopoint.methods.fem.cells import corner_values, modes_of, smallest_length, volume, volume_gradient
-from viscopoint.methods.fem.cells.hexahedron import Hexahedron
+from viscopoint.methods.fem.cells.hexahedron_modes import Hexahedron
 from viscopoint.methods.fem.cells.ring import Ring
 from viscopoint.methods.mpm.volumes import VOLUMES as MPM_VOLUMES
 from viscopoint.methods.tlmpm.volumes import VOLUMES

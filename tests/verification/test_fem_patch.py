@@ -26,10 +26,10 @@ from material_point import at_rest, moved, square
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from viscopoint.kernels.tensors import Vec
+from viscopoint.kernels.vectors import Vec
 from viscopoint.materials import step_factors
 from viscopoint.methods.fem.cells import corner_forces, volume, volume_gradient
-from viscopoint.methods.fem.cells.hexahedron import ETA, XI, ZETA, Modes, modes
+from viscopoint.methods.fem.cells.hexahedron_modes import ETA, XI, ZETA, Modes, modes
 from viscopoint.methods.fem.elements import Element
 from viscopoint.methods.fem.elements.one_point import OnePoint
 from viscopoint.methods.fem.hourglass import StiffnessControl, ViscousControl

@@ -7,9 +7,9 @@ from material_point import LAWS, matrix, square
 
 from viscopoint.kernels.jit import OPTIONS
 from viscopoint.kernels.kinematics import at_mid_step, strain_and_rotation, volume_ratio
-from viscopoint.kernels.tensors import Sym
+from viscopoint.kernels.tensors import IDENTITY, Sym
 from viscopoint.materials import Increment, step_factors, stored_energy, update_stress
-from viscopoint.materials.block import IDENTITY, MaterialBlock
+from viscopoint.materials.block import MaterialBlock
 
 MOTIONS = [matrix(a) for a in 0.05 * np.random.default_rng(5).uniform(-1, 1, (30, 3, 3))]
 

@@ -22,7 +22,7 @@ from viscopoint.interactions.rows import REACTIONS, Rows, add_row, add_slot, loa
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import PARTS, inline, kernel, serial_kernel
 from viscopoint.kernels.slabs import chunk
-from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
+from viscopoint.kernels.vectors import Vec, dot, read_vector, write_vector
 from viscopoint.model.nodes import Nodes, impulse_of_force
 
 ON_PLANE = 1e-9  # of the body's extent: nodes closer than this to a plane stand on it

@@ -17,7 +17,7 @@ import numpy as np
 
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import called, inline, serial_kernel
-from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
+from viscopoint.kernels.vectors import Vec, dot, read_vector, write_vector
 
 # columns of ``Rows.row``
 NORMAL, POINT, LEAST, FRICTION, TWO_SIDED, GIVEN, LAMBDA, TANGENTIAL, ROW = 0, 3, 6, 7, 8, 9, 10, 11, 14

@@ -1,40 +1,38 @@
 """From a step's velocity gradient to strain, rotation and volume, objectively (Hughes & Winget 1980)."""
 
 from viscopoint.kernels.jit import inline
-from viscopoint.kernels.tensors import Matrix, Sym, determinant, minor, spun, trace
+from viscopoint.kernels.tensors import (
+    IDENTITY,
+    Matrix,
+    Sym,
+    added,
+    cofactor,
+    determinant,
+    spun,
+    symmetric,
+    times,
+    times_transposed,
+    trace,
+    transposed,
+)
 
 
 @inline
 def volume_ratio(gradient: Matrix) -> float:
     """Return det(I + A) of the displacement gradient A of a step, ∂Δu/∂x at its start, so that F ← (I + A) F."""
-    return determinant(Matrix(
-        1.0 + gradient.xx, gradient.xy, gradient.xz,
-        gradient.yx, 1.0 + gradient.yy, gradient.yz,
-        gradient.zx, gradient.zy, 1.0 + gradient.zz,
-    ))  # fmt: skip
+    return determinant(added(IDENTITY, 1.0, gradient))
 
 
 @inline
 def at_mid_step(gradient: Matrix) -> Matrix:
     """Return G = A (I + A/2)⁻¹ = 2 (I - (I + A/2)⁻¹), the displacement gradient A taken at mid-step."""
-    xx, yy, zz = 1.0 + 0.5 * gradient.xx, 1.0 + 0.5 * gradient.yy, 1.0 + 0.5 * gradient.zz
-    half = Matrix(  # I + A/2
-        xx, 0.5 * gradient.xy, 0.5 * gradient.xz,
-        0.5 * gradient.yx, yy, 0.5 * gradient.yz,
-        0.5 * gradient.zx, 0.5 * gradient.zy, zz,
-    )  # fmt: skip
-    scale = -2.0 / determinant(half)
+    half = added(IDENTITY, 0.5, gradient)
+    c, scale = cofactor(half), -2.0 / determinant(half)
     return Matrix(
-        2.0 + scale * minor(half.yy, half.yz, half.zy, half.zz),
-        scale * minor(half.xz, half.xy, half.zz, half.zy),
-        scale * minor(half.xy, half.xz, half.yy, half.yz),
-        scale * minor(half.yz, half.yx, half.zz, half.zx),
-        2.0 + scale * minor(half.xx, half.xz, half.zx, half.zz),
-        scale * minor(half.xz, half.xx, half.yz, half.yx),
-        scale * minor(half.yx, half.yy, half.zx, half.zy),
-        scale * minor(half.xy, half.xx, half.zy, half.zx),
-        2.0 + scale * minor(half.xx, half.xy, half.yx, half.yy),
-    )
+        2.0 + scale * c.xx, scale * c.yx, scale * c.zx,
+        scale * c.xy, 2.0 + scale * c.yy, scale * c.zy,
+        scale * c.xz, scale * c.yz, 2.0 + scale * c.zz,
+    )  # fmt: skip
 
 
 @inline
@@ -49,9 +47,8 @@ def strain_and_rotation(gradient: Matrix) -> tuple[Sym, Matrix]:
     Returns:
         The strain increment at the end of the step and the rotation Q.
     """
-    g = gradient
-    strain = Sym(g.xx, g.yy, g.zz, 0.5 * (g.xy + g.yx), 0.5 * (g.yz + g.zy), 0.5 * (g.zx + g.xz))
-    x, y, z = 0.25 * (g.zy - g.yz), 0.25 * (g.xz - g.zx), 0.25 * (g.yx - g.xy)  # of W/2
+    strain = symmetric(gradient)
+    x, y, z = half_spin(gradient)
     return strain + spun(strain, x, y, z), cayley(x, y, z)
 
 
@@ -76,5 +73,24 @@ def volumetric(gradient: Matrix) -> float:
 @inline
 def rotation_of(gradient: Matrix) -> Matrix:
     """Return the rotation Q of the displacement gradient G of a step, taken at mid-step."""
+    x, y, z = half_spin(gradient)
+    return cayley(x, y, z)
+
+
+@inline
+def half_spin(gradient: Matrix) -> tuple[float, float, float]:
+    """Return the axial vector of W/2, half the antisymmetric part of G."""
     g = gradient
-    return cayley(0.25 * (g.zy - g.yz), 0.25 * (g.xz - g.zx), 0.25 * (g.yx - g.xy))
+    return 0.25 * (g.zy - g.yz), 0.25 * (g.xz - g.zx), 0.25 * (g.yx - g.xy)
+
+
+@inline
+def deformed(before: Matrix, gradient: Matrix, jacobian: float) -> Matrix:
+    """Return F at the end of the step, (I - G/2)⁻¹ (I + G/2) F of the gradient G at mid-step, scaled to ``jacobian``.
+
+    Where points share a dilatation, their J is not what their own motion makes of it.
+    """
+    ahead, back = added(IDENTITY, 0.5, gradient), added(IDENTITY, -0.5, gradient)
+    now = times(times_transposed(1.0 / determinant(back), transposed(cofactor(back)), transposed(ahead)), before)
+    ratio = (jacobian / determinant(now)) ** (1.0 / 3.0)
+    return added(IDENTITY, ratio, added(now, -1.0 / ratio, IDENTITY))

@@ -1,7 +1,7 @@
-"""Small tensors as values: vectors, symmetric (stress, strain) and general (velocity gradient, rotation) 3 x 3.
+"""Second-order tensors as values: symmetric ones (stress, strain) and general ones (velocity gradient, rotation).
 
-A ``Vec``, ``Float4`` or ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike,
-where it lives in registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
+A ``Sym`` adds, subtracts and scales like the tensor it is, in Python and inside kernels alike, where it lives in
+registers. Components stand in the order xx yy zz xy yz zx everywhere in the package.
 """
 
 import math
@@ -13,53 +13,10 @@ import numpy as np
 from numba import types
 
 from viscopoint.kernels.jit import inline
-from viscopoint.kernels.values import (
-    accumulated,
-    fetched,
-    fma,
-    inside_kernels,
-    register_float4,
-    register_struct,
-    scaled,
-    stored,
-    summed,
-)
+from viscopoint.kernels.values import fma, inside_kernels, register_struct
+from viscopoint.kernels.vectors import Vec, inner, minor
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
-
-
-@dataclass(frozen=True, slots=True)
-class Vec:
-    """A vector."""
-
-    x: float
-    y: float
-    z: float
-
-    def __add__(self, other: "Vec") -> "Vec":
-        return _add_vectors(self, other)
-
-    def __sub__(self, other: "Vec") -> "Vec":
-        return _subtract_vectors(self, other)
-
-    def __rmul__(self, factor: float) -> "Vec":
-        return _scale_vector(factor, self)
-
-
-@dataclass(frozen=True, slots=True)
-class Float4:
-    """A row of the nodes' arrays ``[n, 4]``: a vector and what goes with it, in one vector register."""
-
-    x: float
-    y: float
-    z: float
-    w: float
-
-    def __add__(self, other: "Float4") -> "Float4":
-        return Float4(self.x + other.x, self.y + other.y, self.z + other.z, self.w + other.w)
-
-    def __rmul__(self, factor: float) -> "Float4":
-        return Float4(factor * self.x, factor * self.y, factor * self.z, factor * self.w)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +31,16 @@ class Sym:
     zx: float
 
     def __add__(self, other: "Sym") -> "Sym":
-        return _add(self, other)
+        return Sym(
+            self.xx + other.xx, self.yy + other.yy, self.zz + other.zz,
+            self.xy + other.xy, self.yz + other.yz, self.zx + other.zx,
+        )  # fmt: skip
 
     def __sub__(self, other: "Sym") -> "Sym":
-        return _subtract(self, other)
+        return Sym(
+            self.xx - other.xx, self.yy - other.yy, self.zz - other.zz,
+            self.xy - other.xy, self.yz - other.yz, self.zx - other.zx,
+        )  # fmt: skip
 
     def __rmul__(self, factor: float) -> "Sym":
         return _scale(factor, self)
@@ -105,96 +68,7 @@ class Columns(NamedTuple):
     z: Vec
 
 
-# --- vectors ---------------------------------------------------------------------------------------------------------
-
-
-def _add_vectors(a: Vec, b: Vec) -> Vec:
-    return Vec(a.x + b.x, a.y + b.y, a.z + b.z)
-
-
-def _subtract_vectors(a: Vec, b: Vec) -> Vec:
-    return Vec(a.x - b.x, a.y - b.y, a.z - b.z)
-
-
-def _scale_vector(k: float, a: Vec) -> Vec:
-    return Vec(k * a.x, k * a.y, k * a.z)
-
-
-def _fma_vectors(k: float, a: Vec, b: Vec) -> Vec:
-    return Vec(fma(k, a.x, b.x), fma(k, a.y, b.y), fma(k, a.z, b.z))
-
-
-@inline
-def inner(a: float, x: float, b: float, y: float, c: float, z: float) -> float:
-    """Return a x + b y + c z."""
-    return fma(a, x, fma(b, y, c * z))
-
-
-@inline
-def minor(a: float, b: float, c: float, d: float) -> float:
-    """Return a d - b c, the determinant of ((a, b), (c, d))."""
-    return fma(a, d, -(b * c))
-
-
-def fetch(rows: Any, n: Any) -> Float4:
-    """Read row n of ``rows[n, 4]``."""
-    return Float4(*rows[n])
-
-
-def put(rows: Any, n: Any, a: Float4) -> None:
-    """Store a row of ``rows[n, 4]``."""
-    rows[n] = a.x, a.y, a.z, a.w
-
-
-@inline
-def zeros4() -> Float4:
-    """Return nil."""
-    return Float4(0.0, 0.0, 0.0, 0.0)
-
-
-@inline
-def product(a: Vec, b: Vec) -> Vec:
-    """Return the products of the components."""
-    return Vec(a.x * b.x, a.y * b.y, a.z * b.z)
-
-
-@inline
-def fma_product(a: Vec, b: Vec, c: Vec) -> Vec:
-    """Return the products of the components of a and b, plus those of c, each rounded once."""
-    return Vec(fma(a.x, b.x, c.x), fma(a.y, b.y, c.y), fma(a.z, b.z, c.z))
-
-
-@inline
-def read_vector(row: Any, first: int = 0) -> Vec:
-    """Read a vector, in double, from three values of an array row."""
-    real = np.float64
-    return Vec(real(row[first]), real(row[first + 1]), real(row[first + 2]))
-
-
-@inline
-def write_vector(row: Any, a: Vec, first: int = 0) -> None:
-    """Store a vector in three values of an array row."""
-    row[first] = a.x
-    row[first + 1] = a.y
-    row[first + 2] = a.z
-
-
-@inline
-def total(a: Vec) -> float:
-    """Return the sum of the components."""
-    return a.x + a.y + a.z
-
-
-@inline
-def dot(a: Vec, b: Vec) -> float:
-    """Return a · b."""
-    return inner(a.x, b.x, a.y, b.y, a.z, b.z)
-
-
-@inline
-def cross(a: Vec, b: Vec) -> Vec:
-    """Return a x b."""
-    return Vec(minor(a.y, a.z, b.y, b.z), minor(a.z, a.x, b.z, b.x), minor(a.x, a.y, b.x, b.y))
+IDENTITY = Matrix(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 # --- general tensors -------------------------------------------------------------------------------------------------
@@ -215,7 +89,7 @@ def columns(a: Matrix) -> Columns:
 @inline
 def sym_columns(a: Sym) -> Columns:
     """Return the tensor column by column."""
-    return Columns(Vec(a.xx, a.xy, a.zx), Vec(a.xy, a.yy, a.yz), Vec(a.zx, a.yz, a.zz))
+    return columns(full(a))
 
 
 @inline
@@ -282,14 +156,6 @@ def transposed(a: Matrix) -> Matrix:
 # --- symmetric tensors -----------------------------------------------------------------------------------------------
 
 
-def _add(a: Sym, b: Sym) -> Sym:
-    return Sym(a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.yz + b.yz, a.zx + b.zx)
-
-
-def _subtract(a: Sym, b: Sym) -> Sym:
-    return Sym(a.xx - b.xx, a.yy - b.yy, a.zz - b.zz, a.xy - b.xy, a.yz - b.yz, a.zx - b.zx)
-
-
 def _scale(k: float, a: Sym) -> Sym:
     return Sym(k * a.xx, k * a.yy, k * a.zz, k * a.xy, k * a.yz, k * a.zx)
 
@@ -298,6 +164,18 @@ def _scale(k: float, a: Sym) -> Sym:
 def spherical(mean: float) -> Sym:
     """Return mean I."""
     return Sym(mean, mean, mean, 0.0, 0.0, 0.0)
+
+
+@inline
+def symmetric(a: Matrix) -> Sym:
+    """Return (a + aᵀ) / 2."""
+    return Sym(a.xx, a.yy, a.zz, 0.5 * (a.xy + a.yx), 0.5 * (a.yz + a.zy), 0.5 * (a.zx + a.xz))
+
+
+@inline
+def full(a: Sym) -> Matrix:
+    """Return the tensor row by row."""
+    return Matrix(a.xx, a.xy, a.zx, a.xy, a.yy, a.yz, a.zx, a.yz, a.zz)
 
 
 @inline
@@ -327,24 +205,9 @@ def von_mises(stress: Sym) -> float:
 
 @inline
 def rotated(a: Sym, q: Matrix) -> Sym:
-    """Return Q a Qᵀ for the rotation Q = q."""
-    xx = inner(q.xx, a.xx, q.xy, a.xy, q.xz, a.zx)  # Q a, row by row
-    xy = inner(q.xx, a.xy, q.xy, a.yy, q.xz, a.yz)
-    xz = inner(q.xx, a.zx, q.xy, a.yz, q.xz, a.zz)
-    yx = inner(q.yx, a.xx, q.yy, a.xy, q.yz, a.zx)
-    yy = inner(q.yx, a.xy, q.yy, a.yy, q.yz, a.yz)
-    yz = inner(q.yx, a.zx, q.yy, a.yz, q.yz, a.zz)
-    zx = inner(q.zx, a.xx, q.zy, a.xy, q.zz, a.zx)
-    zy = inner(q.zx, a.xy, q.zy, a.yy, q.zz, a.yz)
-    zz = inner(q.zx, a.zx, q.zy, a.yz, q.zz, a.zz)
-    return Sym(
-        inner(xx, q.xx, xy, q.xy, xz, q.xz),
-        inner(yx, q.yx, yy, q.yy, yz, q.yz),
-        inner(zx, q.zx, zy, q.zy, zz, q.zz),
-        inner(xx, q.yx, xy, q.yy, xz, q.yz),
-        inner(yx, q.zx, yy, q.zy, yz, q.zz),
-        inner(zx, q.xx, zy, q.xy, zz, q.xz),
-    )
+    """Return Q a Qᵀ for the rotation Q."""
+    r = times_transposed(1.0, times_transposed(1.0, q, full(a)), q)
+    return Sym(r.xx, r.yy, r.zz, r.xy, r.yz, r.zx)
 
 
 @inline
@@ -387,31 +250,13 @@ def components(a: Sym) -> tuple[float, float, float, float, float, float]:
 @inline
 def on_areas(s: Sym, b: Matrix) -> Matrix:
     """Return s b: of the cofactor b of F, the first Piola-Kirchhoff stress."""
-    return Matrix(
-        inner(s.xx, b.xx, s.xy, b.yx, s.zx, b.zx),
-        inner(s.xx, b.xy, s.xy, b.yy, s.zx, b.zy),
-        inner(s.xx, b.xz, s.xy, b.yz, s.zx, b.zz),
-        inner(s.xy, b.xx, s.yy, b.yx, s.yz, b.zx),
-        inner(s.xy, b.xy, s.yy, b.yy, s.yz, b.zy),
-        inner(s.xy, b.xz, s.yy, b.yz, s.yz, b.zz),
-        inner(s.zx, b.xx, s.yz, b.yx, s.zz, b.zx),
-        inner(s.zx, b.xy, s.yz, b.yy, s.zz, b.zy),
-        inner(s.zx, b.xz, s.yz, b.yz, s.zz, b.zz),
-    )
+    return times(full(s), b)
 
 
 @inline
 def square(k: float, a: Matrix) -> Sym:
     """Return k² aᵀ a; of cofactor and determinant of F, the inverse of C = Fᵀ F."""
-    k2 = k * k
-    return Sym(
-        k2 * inner(a.xx, a.xx, a.yx, a.yx, a.zx, a.zx),
-        k2 * inner(a.xy, a.xy, a.yy, a.yy, a.zy, a.zy),
-        k2 * inner(a.xz, a.xz, a.yz, a.yz, a.zz, a.zz),
-        k2 * inner(a.xx, a.xy, a.yx, a.yy, a.zx, a.zy),
-        k2 * inner(a.xy, a.xz, a.yy, a.yz, a.zy, a.zz),
-        k2 * inner(a.xz, a.xx, a.yz, a.yx, a.zz, a.zx),
-    )
+    return symmetric(times_transposed(k * k, transposed(a), transposed(a)))
 
 
 @inline
@@ -421,18 +266,7 @@ def steepest(a: Sym) -> float:
     return max(a.xx + xy + zx, a.yy + xy + yz, a.zz + yz + zx)
 
 
-# --- inside kernels --------------------------------------------------------------------------------------------------
-
-_VEC, _FLOAT4, _SYM = register_struct(Vec), register_float4(Float4), register_struct(Sym)
-inside_kernels(operator.add, _add_vectors, _VEC, _VEC)
-inside_kernels(operator.sub, _subtract_vectors, _VEC, _VEC)
-inside_kernels(operator.mul, _scale_vector, types.Number, _VEC)
-inside_kernels(fma, _fma_vectors, types.Number, _VEC, _VEC)
-inside_kernels(fma, accumulated(), types.Number, _FLOAT4, _FLOAT4)
-inside_kernels(operator.add, summed(), _FLOAT4, _FLOAT4)
-inside_kernels(operator.mul, scaled(), types.Number, _FLOAT4)
-inside_kernels(fetch, fetched(Float4), types.Array, types.Integer)
-inside_kernels(put, stored(), types.Array, types.Integer, _FLOAT4)
-inside_kernels(operator.add, _add, _SYM, _SYM)
-inside_kernels(operator.sub, _subtract, _SYM, _SYM)
+_SYM = register_struct(Sym)
+inside_kernels(operator.add, Sym.__add__, _SYM, _SYM)
+inside_kernels(operator.sub, Sym.__sub__, _SYM, _SYM)
 inside_kernels(operator.mul, _scale, types.Number, _SYM)

@@ -28,7 +28,7 @@ from numba.extending import (
 from viscopoint.kernels.jit import INLINED
 
 FLOAT4 = ir.VectorType(ir.DoubleType(), 4)
-_KINDS: dict[type, Any] = {}  # Numba's types of the classes
+KINDS: dict[type, Any] = {}  # Numba's types of the classes
 ATTRIBUTES: Any = {"strict": False, "jit_options": INLINED}
 
 
@@ -171,7 +171,7 @@ def fetched(value: type) -> Any:
 
     @intrinsic
     def fetch(context: Any, rows: Any, number: Any) -> Any:
-        kind = _KINDS[value]
+        kind = KINDS[value]
 
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             return builder.load(_place(context, builder, signature, values), align=8)
@@ -206,10 +206,12 @@ def _declared(value: type) -> type:
     """Make Numba's type of a class and let kernels call the class."""
 
     class ValueType(types.Type):
+        names = tuple(field.name for field in fields(value))
+
         def __init__(self) -> None:
             super().__init__(name=value.__name__)
 
-    kind = _KINDS[value] = ValueType()
+    kind = KINDS[value] = ValueType()
 
     @typeof_impl.register(value)
     def type_of(instance: Any, context: Any) -> Any:

@@ -11,11 +11,11 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
 from viscopoint.kernels.jit import INLINED, inline
-from viscopoint.kernels.tensors import Matrix, Sym, components, read
+from viscopoint.kernels.packing import numbers_of
+from viscopoint.kernels.tensors import Matrix, Sym, read
 
 BLOCK = 64  # points
 ROW = BLOCK + 8  # numbers from one row to the next: powers of two would share few lines of the cache
@@ -80,12 +80,8 @@ def widest_vectors(context: Any) -> Any:
 @intrinsic
 def _store(context: Any, work: Any, column: Any, i: Any, value: Any) -> Any:
     def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        kind: Any = signature.args[3]
-        several = hasattr(kind, "__len__")
-        parts = cgutils.unpack_tuple(builder, values[3]) if several else [values[3]]
-        kinds = list(kind) if several else [kind]
-        for number, (part, part_kind) in enumerate(zip(parts, kinds, strict=True)):
-            builder.store(context.cast(builder, part, part_kind, types.float64), _place(builder, values, number))
+        for n, number in enumerate(numbers_of(context, builder, signature.args[3], values[3])):
+            builder.store(number, _place(builder, values, n))
         return context.get_dummy_value()
 
     return types.none(work, types.int64, types.int64, value), lower
@@ -112,7 +108,7 @@ def _place(builder: Any, values: Any, number: int) -> Any:
 
 
 def store(work: Any, column: int, i: int, value: Any) -> None:
-    """Store a number, or a tuple of numbers, of the block's point i."""
+    """Store a number, or a value made of numbers (``packing``), of the block's point i."""
     raise NotImplementedError
 
 
@@ -147,12 +143,6 @@ def load_sym(work: Any, column: int, i: int) -> Sym:
 def load_matrix(work: Any, column: int, i: int) -> Matrix:
     """Return a general tensor of the block's point i."""
     return Matrix(*load_tuple(work, column, i, NINE))
-
-
-@inline
-def store_sym(work: Any, column: int, i: int, a: Sym) -> None:
-    """Store a symmetric tensor of the block's point i."""
-    store(work, column, i, components(a))
 
 
 @inline

@@ -8,32 +8,24 @@ begin at ``OWN``. The parameters, and what is computed of them once for a step, 
 import ctypes
 import functools
 import hashlib
+import itertools
 from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
 from numba import typeof, types
-from numba.core import cgutils
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic, overload
 
+from viscopoint import materials
 from viscopoint.kernels import outside
 from viscopoint.kernels.arrays import Array, Real
 from viscopoint.kernels.cache import Cache, words
 from viscopoint.kernels.jit import INLINED, OPTIONS, check_implemented, inline
-from viscopoint.kernels.kinematics import strain_and_rotation
+from viscopoint.kernels.kinematics import deformed, strain_and_rotation
+from viscopoint.kernels.packing import numbers_of, size, value_of
 from viscopoint.kernels.pipeline import Whole
-from viscopoint.kernels.tensors import (
-    Matrix,
-    added,
-    cofactor,
-    determinant,
-    deviator,
-    spherical,
-    times,
-    times_transposed,
-    transposed,
-)
+from viscopoint.kernels.tensors import IDENTITY, Matrix, deviator, spherical
 from viscopoint.kernels.workspace import (
     HISTORY,
     WORKSPACE,
@@ -44,18 +36,8 @@ from viscopoint.kernels.workspace import (
     load_sym,
     load_tuple,
     store,
-    store_sym,
 )
-from viscopoint.materials import (
-    HistoryField,
-    Increment,
-    Material,
-    hypoelastic_work,
-    shear_energy,
-    step_factors,
-    stored_energy,
-    update_stress,
-)
+from viscopoint.materials import HistoryField, Increment, Material
 
 (
     STRESS,  # Cauchy, MPa
@@ -70,8 +52,8 @@ from viscopoint.materials import (
 ) = columns(6, 9, *(1,) * 6)
 STORED = SWEPT  # energy per reference volume, mJ/mm^3, where the block of energies leaves it
 DEFORMATION_GRADIENT = HistoryField("deformation_gradient", "1", 9, np.eye(3).ravel().tolist())
-IDENTITY = Matrix(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 NUMBERS = types.CPointer(types.float64)
+OPERATIONS = (materials.step_factors, materials.update_stress, materials.stored_energy, materials.shear_energy)
 FIRST = 1  # of ``numbers``, after Δt
 
 
@@ -89,14 +71,14 @@ class MaterialBlock:
     """A material, compiled."""
 
     def __init__(self, material: Material) -> None:
-        for operation in (step_factors, update_stress, stored_energy, shear_energy):
+        for operation in OPERATIONS:
             check_implemented(operation, material)
         self.material = material
         own = (DEFORMATION_GRADIENT,) if _needs_deformation(material) else ()
         self.history_fields: tuple[HistoryField, ...] = (*own, *material.history_fields)
-        parameters, factors = _flat(material), _flat(step_factors(material, 1.0))
-        numbers = np.array([1.0, *parameters, *factors])
-        blocks = _compiled(typeof(_zero(material)), typeof(_zero(step_factors(material, 1.0))), self.n_own, bool(own))
+        factors = materials.step_factors(material, 1.0)
+        numbers = np.array([1.0, *_flat(material), *_flat(factors)])
+        blocks = _compiled(typeof(_zero(material)), typeof(_zero(factors)), self.n_own, bool(own))
         self._prepare = blocks.prepare.ctypes
         self._numbers = numbers.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
         n_history = len(self.initial_history())
@@ -165,12 +147,12 @@ class _Blocks(NamedTuple):
 @functools.cache
 def _compiled(material: Any, factors: Any, n_own: int, with_deformation: bool) -> _Blocks:
     """Return the three functions of a material and its step factors, given by Numba's types."""
-    material_in, factors_in = _reader(material, FIRST), _reader(factors, FIRST + _size(material))
-    put_factors = _writer(factors, FIRST + _size(material))
+    material_in, factors_in = _reader(material, FIRST), _reader(factors, FIRST + size(material))
+    put_factors = _writer(FIRST + size(material))
     like, own = (0.0,) * n_own, HISTORY + (9 if with_deformation else 0)
 
     def prepare(numbers: Any) -> None:
-        put_factors(numbers, step_factors(material_in(numbers), numbers[0]))
+        put_factors(numbers, materials.step_factors(material_in(numbers), numbers[0]))
 
     # parameters are read before the loop, as the compiler cannot know that a block's results do not change them
 
@@ -190,7 +172,7 @@ def _compiled(material: Any, factors: Any, n_own: int, with_deformation: bool) -
         parameters = material_in(numbers)
         for i in range(count):
             history = load_tuple(work, own, i, like)
-            stored = stored_energy(parameters, load(work, JACOBIAN, i), load_sym(work, STRESS, i), history)
+            stored = materials.stored_energy(parameters, load(work, JACOBIAN, i), load_sym(work, STRESS, i), history)
             store(work, STORED, i, stored)
 
     block = types.void(WORKSPACE, types.intp, NUMBERS)
@@ -213,25 +195,13 @@ def advance_point(
     strain, rotation = strain_and_rotation(load_matrix(work, GRADIENT, i))
     strain = deviator(strain) + spherical(load(work, SWEPT, i) / 3.0)
     increment = Increment(dt, strain, rotation, after, deformation)
-    now = update_stress(material, factors, increment, stress, history)
-    taken = hypoelastic_work(material, after - before, stress, history, now.stress, now.history)
-    store_sym(work, STRESS, i, now.stress)
+    now = materials.update_stress(material, factors, increment, stress, history)
+    taken = materials.hypoelastic_work(material, after - before, stress, history, now.stress, now.history)
+    store(work, STRESS, i, now.stress)
     store(work, own, i, now.history)
     add(work, DISSIPATED, i, 0.5 * (before + after) * now.dissipated)
     add(work, HYPOELASTIC, i, taken)
     store(work, MODULUS, i, now.p_wave_modulus)
-
-
-@inline
-def deformed(before: Matrix, gradient: Matrix, jacobian: float) -> Matrix:
-    """Return F at the end of the step, (I - G/2)⁻¹ (I + G/2) F of the gradient G at mid-step, scaled to ``jacobian``.
-
-    Where points share a dilatation, their J is not what their own motion makes of it.
-    """
-    ahead, back = added(IDENTITY, 0.5, gradient), added(IDENTITY, -0.5, gradient)
-    now = times(times_transposed(1.0 / determinant(back), transposed(cofactor(back)), transposed(ahead)), before)
-    ratio = (jacobian / determinant(now)) ** (1.0 / 3.0)
-    return added(IDENTITY, ratio, added(now, -1.0 / ratio, IDENTITY))
 
 
 def _function(code: Any, signature: Any, material: Any, name: str) -> CFunc:
@@ -262,52 +232,28 @@ def _zero(value: Any) -> Any:
     return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
 
 
-def _parts(kind: Any) -> Any:
-    """Return Numba's types of a tuple's parts; None of a number."""
-    return kind.types if isinstance(kind, types.BaseTuple) else None  # pyright: ignore[reportAttributeAccessIssue]
-
-
-def _size(kind: Any) -> int:
-    return 1 if _parts(kind) is None else sum(map(_size, _parts(kind)))
-
-
 def _reader(kind: Any, first: int) -> Any:
     """Return a function of ``numbers`` that makes a value of one of Numba's types of those from ``first`` on."""
 
     @intrinsic
     def read_value(context: Any, numbers: Any) -> Any:
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            def made(part: Any, place: int) -> tuple[Any, int]:
-                if _parts(part) is None:
-                    return builder.load(_place(builder, values[0], place)), place + 1
-                inner: list[Any] = []
-                for member in _parts(part):
-                    value, place = made(member, place)
-                    inner.append(value)
-                return context.make_tuple(builder, part, inner), place
-
-            return made(kind, first)[0]
+            loaded = (builder.load(_place(builder, values[0], place)) for place in itertools.count(first))
+            return value_of(context, builder, kind, loaded)
 
         return kind(numbers), lower
 
     return read_value
 
 
-def _writer(kind: Any, first: int) -> Any:
-    """Return a function that puts a value of one of Numba's types into ``numbers`` from ``first`` on."""
+def _writer(first: int) -> Any:
+    """Return a function that puts a value into ``numbers`` from ``first`` on."""
 
     @intrinsic
     def write_value(context: Any, numbers: Any, value: Any) -> Any:
         def lower(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            def put(part: Any, given: Any, place: int) -> int:
-                if _parts(part) is None:
-                    builder.store(context.cast(builder, given, part, types.float64), _place(builder, values[0], place))
-                    return place + 1
-                for member, inner in zip(_parts(part), cgutils.unpack_tuple(builder, given), strict=True):
-                    place = put(member, inner, place)
-                return place
-
-            put(signature.args[1], values[1], first)
+            for place, number in enumerate(numbers_of(context, builder, signature.args[1], values[1]), first):
+                builder.store(number, _place(builder, values[0], place))
             return context.get_dummy_value()
 
         return types.none(numbers, value), lower

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import PARTS, inline, kernel
 from viscopoint.kernels.slabs import CHUNKS, chunk
-from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
+from viscopoint.kernels.vectors import Vec, dot, read_vector, write_vector
 
 KINETIC, MASS, MOMENTUM, SUMS = 0, 1, 2, 5
 

@@ -15,17 +15,7 @@ from viscopoint.kernels.arrays import Array, Real
 from viscopoint.kernels.jit import inline, kernel
 from viscopoint.kernels.slabs import CHUNKS, chunk
 from viscopoint.kernels.tensors import read, write
-from viscopoint.kernels.workspace import (
-    BLOCK,
-    HISTORY,
-    add,
-    columns,
-    load,
-    load_sym,
-    store,
-    store_sym,
-    workspace,
-)
+from viscopoint.kernels.workspace import BLOCK, HISTORY, add, columns, load, load_sym, store, workspace
 from viscopoint.materials import block
 from viscopoint.materials.block import (
     AFTER,
@@ -86,7 +76,7 @@ def volume_at_rest(count: int, real: Real = np.float64, jacobian: Real = np.floa
 @inline
 def load_material(state: MaterialState, q: int, work: Any, i: int, n_history: int) -> None:
     """Take what the material has at point q to the workspace."""
-    store_sym(work, STRESS, i, read(state.stress[q]))
+    store(work, STRESS, i, read(state.stress[q]))
     for h in range(n_history):
         store(work, HISTORY + h, i, state.history[q, h])
     store(work, DISSIPATED, i, state.dissipated[q])

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from viscopoint.discovery import Registry
 from viscopoint.kernels.jit import generic, implements, inline
-from viscopoint.kernels.tensors import Matrix, Vec, applied, columns
+from viscopoint.kernels.tensors import Matrix, applied, columns
 from viscopoint.methods.fem.cells import Hourglass, dot_hourglass
 
 HOURGLASS: Registry[Any] = Registry()
@@ -69,20 +69,6 @@ def spring(
     start = rotated_forces(before, rotation)
     increment = scaled(-control.coefficient * mass * (sound / length) ** 2, motion)
     return added(start, increment), -dot_hourglass(added(start, scaled(0.5, increment)), motion)
-
-
-@inline
-def hourglass_of_numbers(numbers: tuple[float, ...]) -> Hourglass:
-    """Return the vectors on the modes that are these numbers."""
-    m = numbers
-    return Hourglass(Vec(m[0], m[1], m[2]), Vec(m[3], m[4], m[5]), Vec(m[6], m[7], m[8]), Vec(m[9], m[10], m[11]))
-
-
-@inline
-def hourglass_numbers(h: Hourglass) -> tuple[float, ...]:
-    """Return the numbers of the vectors on the modes."""
-    a, b, c, d = h
-    return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z)
 
 
 @inline

@@ -16,7 +16,8 @@ from viscopoint.kernels.jit import PARTS, kernel
 from viscopoint.kernels.slabs import chunk
 from viscopoint.kernels.workspace import BLOCK
 from viscopoint.methods.fem import cells
-from viscopoint.methods.fem.cells.hexahedron import ETA, GAUSS, XI, ZETA, Hexahedron, modes
+from viscopoint.methods.fem.cells.hexahedron import GAUSS
+from viscopoint.methods.fem.cells.hexahedron_modes import ETA, XI, ZETA, Hexahedron, modes
 
 EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))  # seen from outside

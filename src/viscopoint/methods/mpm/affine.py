@@ -4,8 +4,9 @@ from typing import Any
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import inline
-from viscopoint.kernels.tensors import Float4, Matrix, Sym
+from viscopoint.kernels.tensors import Matrix, Sym
 from viscopoint.kernels.values import replaced
+from viscopoint.kernels.vectors import Float4
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.shapes import Weights
 from viscopoint.methods.mpm.stencil import (

@@ -26,7 +26,7 @@ from viscopoint.interactions.rows import (
 )
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import generic, implements, serial_kernel
-from viscopoint.kernels.tensors import Vec, dot, read_vector, write_vector
+from viscopoint.kernels.vectors import Vec, dot, read_vector, write_vector
 from viscopoint.methods.mpm.contacts import Contact, closed
 from viscopoint.methods.mpm.contacts.nodes import Nodes
 from viscopoint.methods.mpm.geometry import ON_AXIS

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import PARTS, kernel, serial_kernel
 from viscopoint.kernels.slabs import CHUNKS, chunk
-from viscopoint.kernels.tensors import fetch, put, zeros4
+from viscopoint.kernels.vectors import fetch, put, zeros4
 from viscopoint.methods.mpm.geometry import GEOMETRIES, Box
 from viscopoint.methods.mpm.points import Points
 from viscopoint.model import memory

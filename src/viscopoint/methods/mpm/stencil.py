@@ -6,8 +6,9 @@ import numpy as np
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import generic, implements, inline
-from viscopoint.kernels.tensors import Float4, Matrix, Sym, fetch, put, zeros4
+from viscopoint.kernels.tensors import Matrix, Sym
 from viscopoint.kernels.values import fma, pick
+from viscopoint.kernels.vectors import Float4, fetch, put, zeros4
 from viscopoint.methods.mpm.grid import Grid, HalfPlane
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.shapes import Weights, along, stencil

@@ -7,7 +7,8 @@ from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import inline, kernel
 from viscopoint.kernels.kinematics import at_mid_step, volume_ratio, volumetric
 from viscopoint.kernels.slabs import CHUNKS, chunk, slabs_of
-from viscopoint.kernels.tensors import Matrix, dot, read_vector
+from viscopoint.kernels.tensors import Matrix
+from viscopoint.kernels.vectors import dot, read_vector
 from viscopoint.kernels.workspace import BLOCK, columns, load, load_matrix, store, workspace
 from viscopoint.materials.block import AFTER, GRADIENT, JACOBIAN, SWEPT, MaterialCode, call_block
 from viscopoint.methods.mpm.grid import Grid

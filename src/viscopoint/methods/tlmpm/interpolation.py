@@ -4,7 +4,8 @@ from typing import Any
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import inline
-from viscopoint.kernels.tensors import Float4, Matrix
+from viscopoint.kernels.tensors import Matrix
+from viscopoint.kernels.vectors import Float4
 from viscopoint.methods.mpm.stencil import (
     gradient,
     interpolate_with_gradient,

@@ -16,7 +16,7 @@ import numpy as np
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import PARTS, kernel
 from viscopoint.kernels.slabs import COLOURS, coloured_slabs_of
-from viscopoint.kernels.tensors import Matrix
+from viscopoint.kernels.tensors import full, spherical, symmetric, trace
 from viscopoint.methods.tlmpm.extension import Extension, multiply
 from viscopoint.methods.tlmpm.interpolation import reference_gradient, scatter_stress
 from viscopoint.methods.tlmpm.lattice import Lattice, stencil_at
@@ -69,8 +69,6 @@ def scatter_stiffness(part: int, points: Points, lattice: Lattice, shape: Any, l
             p: int = lattice.order[q]
             at = stencil_at(points, p, lattice, shape)
             a = reference_gradient(lattice.velocity, lattice, at, 1.0)
-            size = points.volume[p]
-            mean, pair = size * lame * (a.xx + a.yy + a.zz), size * shear
-            xx, yy, zz = mean + pair * a.xx, mean + pair * a.yy, mean + pair * a.zz
-            xy, yz, zx = 0.5 * pair * (a.xy + a.yx), 0.5 * pair * (a.yz + a.zy), 0.5 * pair * (a.zx + a.xz)
-            scatter_stress(lattice.force, lattice, at, Matrix(xx, xy, zx, xy, yy, yz, zx, yz, zz))
+            strain, size = symmetric(a), points.volume[p]
+            stress = spherical(size * lame * trace(strain)) + (size * shear) * strain
+            scatter_stress(lattice.force, lattice, at, full(stress))

@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import generic, inline
-from viscopoint.kernels.tensors import Columns, Vec, fma_product, product, total
+from viscopoint.kernels.packing import flat
+from viscopoint.kernels.tensors import Columns
+from viscopoint.kernels.vectors import Vec, fma_product, product, total
 
 Corners = tuple[float, ...]  # x, y and z at each corner
 
@@ -52,10 +54,10 @@ def modes_of(cell: Any, values: Corners) -> Any:
     """Return the modes of a field by its corner values."""
 
 
-@generic
+@inline
 def flattened(field: Any) -> tuple[float, ...]:
     """Return the numbers of a field's modes, or of what ``at_point`` says of ∇N."""
-    raise NotImplementedError
+    return flat(field)
 
 
 @generic
@@ -103,9 +105,10 @@ def stable_length(place: Any, gradient: Any, volume: float) -> float:
     raise NotImplementedError
 
 
-@generic
+@inline
 def no_force(cell: Any) -> Any:
     """Return no force on any mode."""
+    return unflattened(cell, mode_numbers(cell))
 
 
 @generic

@@ -20,7 +20,9 @@ import numpy as np
 
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import implements, inline
-from viscopoint.kernels.tensors import Columns, Vec, applied, dot
+from viscopoint.kernels.packing import shaped
+from viscopoint.kernels.tensors import Columns, applied
+from viscopoint.kernels.vectors import Vec, dot
 from viscopoint.methods.fem import cells
 from viscopoint.methods.fem.cells import Corners, Hourglass
 
@@ -30,9 +32,6 @@ GAUSS = 1.0 / math.sqrt(3.0)  # of the 2 x 2 rule, whose points stand like the c
 XI = np.array([-1.0, 1.0, 1.0, -1.0])
 ETA = np.array([-1.0, -1.0, 1.0, 1.0])
 ON_AXIS = 1e-12  # of the ring's mean radius: corners no farther from the axis stand on it
-
-
-FOUR_VECTORS = (0.0,) * 12  # a field at the corners, by its modes, or the weights of a point
 
 
 class Ring(NamedTuple):
@@ -56,7 +55,7 @@ class Weights(Modes):
 @implements(cells.mode_numbers, Ring)
 @implements(cells.corner_numbers, Ring)
 def four_vectors(cell: Ring) -> tuple[float, ...]:
-    return FOUR_VECTORS
+    return (0.0,) * 12
 
 
 @implements(cells.corner_values, Ring)
@@ -78,25 +77,9 @@ def four_modes(cell: Ring, values: Corners) -> Modes:
     )  # fmt: skip
 
 
-@implements(cells.flattened, Weights)
-@implements(cells.flattened, Modes)
-def flat(field: Modes) -> tuple[float, ...]:
-    a, b, c, d = field
-    return (a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z)
-
-
 @implements(cells.unflattened, Ring)
 def of_flat(cell: Ring, numbers: tuple[float, ...]) -> Modes:
-    x = numbers
-    return Modes(
-        Vec(x[0], x[1], x[2]), Vec(x[3], x[4], x[5]), Vec(x[6], x[7], x[8]), Vec(x[9], x[10], x[11])
-    )  # fmt: skip
-
-
-@implements(cells.no_force, Ring)
-def nil(cell: Ring) -> Modes:
-    none = Vec(0.0, 0.0, 0.0)
-    return Modes(none, none, none, none)
+    return shaped(Modes, numbers)
 
 
 @implements(cells.corner_forces, Modes)
@@ -307,8 +290,7 @@ def at_gauss_point(place: Modes, flow: Modes, dt: float, k: int) -> tuple[Column
 
 @implements(cells.point_weights, Ring)
 def weights_of(cell: Ring, numbers: tuple[float, ...]) -> Weights:
-    mean, xi, eta, both = cells.unflattened(cell, numbers)
-    return Weights(mean, xi, eta, both)
+    return shaped(Weights, numbers)
 
 
 @inline

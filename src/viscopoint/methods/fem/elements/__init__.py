@@ -97,7 +97,7 @@ def find_motion(work: Any, i: int, cell: Any, dt: float) -> Any:
     now = cells.volume(place, gradient)
     store(work, VOLUME, i, now)
     store(work, AFTER, i, now / load(work, REFERENCE, i))
-    store(work, PLACE, i, cells.flattened(place))
+    store(work, PLACE, i, place)
     return place, flow, middle, half, cells.volume(middle, half), gradient
 
 

@@ -4,14 +4,16 @@ from typing import Any, NamedTuple
 
 from viscopoint.kernels.jit import implements, inline
 from viscopoint.kernels.kinematics import rotation_of, volumetric
+from viscopoint.kernels.packing import shaped
 from viscopoint.kernels.rows import read_row, write_row
-from viscopoint.kernels.tensors import Columns, Sym, Vec, applied, matrix, spherical, sym_columns
+from viscopoint.kernels.tensors import Columns, Sym, applied, matrix, spherical, sym_columns
 from viscopoint.kernels.values import fma
+from viscopoint.kernels.vectors import Vec
 from viscopoint.kernels.workspace import add, load, load_matrix, load_sym, load_tuple, store
 from viscopoint.materials.block import GRADIENT, STRESS, SWEPT, MaterialCode
 from viscopoint.methods.fem import cells, elements
 from viscopoint.methods.fem.cells import Hourglass
-from viscopoint.methods.fem.hourglass import hourglass_force, hourglass_numbers, hourglass_of_numbers
+from viscopoint.methods.fem.hourglass import hourglass_force
 from viscopoint.methods.fem.state import FLOW, HOURGLASS_WORK, REFERENCE, TWELVE, VOLUME, WEIGHTS, WHOLE, Elements
 from viscopoint.model.points import VISCOUS
 
@@ -52,7 +54,7 @@ def mean_strain(element: OnePoint, work: Any, i: int, cell: Any, dt: float) -> N
     whole = now > 0.0 and mid_volume > 0.0 and cells.smallest_length(place, gradient, now) > 0.0
     store(work, WHOLE, i, 1.0 if whole else 0.0)
     motion = hourglass_motion(cells.hourglass_of(flow), dt, stretch, cells.hourglass_of(middle))
-    store(work, FLOW, i, hourglass_numbers(motion))
+    store(work, FLOW, i, motion)
 
 
 @implements(elements.strain, OnePoint)
@@ -75,11 +77,11 @@ def with_hourglass(
     element: OnePoint, work: Any, i: int, cell: Any, place: Any, gradient: Any, material: MaterialCode, sound: float,
     length: float, dt: float,
 ) -> Any:  # fmt: skip
-    motion = hourglass_of_numbers(load_tuple(work, FLOW, i, TWELVE))
-    before = hourglass_of_numbers(load_tuple(work, WEIGHTS, i, TWELVE))
+    motion = shaped(Hourglass, load_tuple(work, FLOW, i, TWELVE))
+    before = shaped(Hourglass, load_tuple(work, WEIGHTS, i, TWELVE))
     mass, rotation = material.density * load(work, REFERENCE, i), rotation_of(load_matrix(work, GRADIENT, i))
     h, taken = hourglass_force(element.hourglass, before, motion, rotation, dt, mass, sound, length)
-    store(work, WEIGHTS, i, hourglass_numbers(h))
+    store(work, WEIGHTS, i, h)
     add(work, HOURGLASS_WORK, i, taken)
     stress = load_sym(work, STRESS, i) - spherical(load(work, VISCOUS, i))
     pull = modal_stress(stress, h, cells.hourglass_of(place), load(work, VOLUME, i))

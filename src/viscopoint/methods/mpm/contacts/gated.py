@@ -17,7 +17,7 @@ import numpy as np
 from viscopoint.interactions.planes import Plane
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import implements, inline, serial_kernel
-from viscopoint.kernels.tensors import dot, inner, read_vector
+from viscopoint.kernels.vectors import dot, inner, read_vector
 from viscopoint.methods.mpm.contacts import CONTACTS, closed
 from viscopoint.methods.mpm.grid import Grid, zero
 from viscopoint.methods.mpm.points import Points

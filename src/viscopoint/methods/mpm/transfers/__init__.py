@@ -17,7 +17,8 @@ from typing import Any, Protocol, Self
 
 from viscopoint.discovery import Registry, import_all
 from viscopoint.kernels.jit import generic, inline
-from viscopoint.kernels.tensors import Float4, Sym
+from viscopoint.kernels.tensors import Sym
+from viscopoint.kernels.vectors import Float4
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import Stencil

@@ -10,7 +10,8 @@ points know differently: -Σ m_p ε:Σ N Δv_i ⊗ (x_i - x_p), and as points mo
 from typing import NamedTuple
 
 from viscopoint.kernels.jit import implements
-from viscopoint.kernels.tensors import Float4, Sym
+from viscopoint.kernels.tensors import Sym
+from viscopoint.kernels.vectors import Float4
 from viscopoint.methods.mpm.grid import Grid
 from viscopoint.methods.mpm.points import Points
 from viscopoint.methods.mpm.stencil import Stencil, interpolate_motion, scatter, scatter_with_force

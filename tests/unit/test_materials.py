@@ -13,6 +13,7 @@ from viscopoint.errors import InputError
 from viscopoint.kernels.arrays import AnyArray, Array
 from viscopoint.kernels.cache_folder import cache_folder
 from viscopoint.kernels.jit import implements
+from viscopoint.kernels.kinematics import deformed
 from viscopoint.kernels.logarithm import log
 from viscopoint.kernels.tensors import Matrix, Sym, contract, determinant, deviator, rotated, spherical
 from viscopoint.materials import (
@@ -28,7 +29,7 @@ from viscopoint.materials import (
     update_stress,
     volumetric_energy,
 )
-from viscopoint.materials.block import MaterialBlock, deformed
+from viscopoint.materials.block import MaterialBlock
 from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.plastic import Plastic, shear_over_step
 from viscopoint.methods import moving
@@ -286,6 +287,11 @@ class Bare(NamedTuple):
 def test_a_material_that_lacks_an_operation_is_told_so() -> None:
     with pytest.raises(TypeError, match=r"Bare has no step_factors: decorate a function with @implements"):
         MaterialBlock(Bare(1e-3))
+
+
+def test_snapshots_show_the_fields_whose_names_are_taken_and_no_others() -> None:
+    elastic = Elastic(1e-3, 550.0, 140.0)
+    assert set().union(*(body_of(elastic, name).snapshot() for name in TINY)) == moving.FIELDS
 
 
 @pytest.mark.parametrize("name", ["stress", "own"])

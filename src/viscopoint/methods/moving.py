@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from viscopoint.model.method import Field, Totals, history_fields, von_mises_of
 from viscopoint.model.nodes import SUMS
 from viscopoint.model.points import MaterialState, VolumeState, sum_energies
 
-FIELDS = {  # what snapshots show of all bodies; histories are shown beside it
+FIELDS = {  # what snapshots may show; a material's history fields have other names
     "position", "displacement", "velocity", "stress", "von_mises", "pressure", "jacobian", "scaled_jacobian",
     "viscous_pressure", "dissipated_energy", "hourglass_energy", "lost", "deleted",
 }  # fmt: skip
@@ -126,8 +126,15 @@ class MovingBody(central_differences.Body, ABC):
             "dissipated_energy": Field(material.dissipated, "mJ/mm^3"),
             "lost": Field(lost, "1"),
         }
-        fields |= history_fields(self.block.history_fields, material.history)
-        return {name: Field(np.array(field.values), field.unit) for name, field in fields.items()}
+        return self.shown(fields, material.history)
+
+    def shown(
+        self, fields: dict[str, Field], history: Array, on: Literal["points", "cells"] = "points"
+    ) -> dict[str, Field]:
+        """Return copies of a snapshot's fields, and the material's history beside them."""
+        assert fields.keys() <= FIELDS  # or a history field could take the name
+        fields |= history_fields(self.block.history_fields, history, on)
+        return {name: field._replace(values=np.array(field.values)) for name, field in fields.items()}
 
 
 def _check_names(block: MaterialBlock) -> None:

@@ -16,7 +16,7 @@ from viscopoint.methods.fem.mesh import slabs
 from viscopoint.methods.fem.state import Elements, elements_at_rest
 from viscopoint.methods.lagrangian import LagrangianBody
 from viscopoint.model.body import Body
-from viscopoint.model.method import FailureHints, Field, history_fields, von_mises_of
+from viscopoint.model.method import FailureHints, Field, von_mises_of
 from viscopoint.model.nodes import nodes_at_rest
 from viscopoint.model.points import MaterialState, VolumeState
 from viscopoint.model.viscosity import BulkViscosity, signal_speed
@@ -172,8 +172,7 @@ class FiniteElementMethod(LagrangianBody):
             "hourglass_energy": Field(elements.hourglass_work / self._volumes().sum(axis=1), "mJ/mm^3", "cells"),
             "deleted": Field((~self.alive).astype(np.uint8), "1", "cells"),
         }
-        fields |= history_fields(self.block.history_fields, self._mean(material.history), "cells")
-        return {name: field._replace(values=np.array(field.values)) for name, field in fields.items()}
+        return self.shown(fields, self._mean(material.history), "cells")
 
     def _mean(self, values: Array) -> Array:
         """Average over each element's points by their volume."""

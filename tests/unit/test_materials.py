@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from solids import sheared, solid
 from viscopoint.case.case import Case
 from viscopoint.errors import InputError
 from viscopoint.kernels.arrays import AnyArray, Array
@@ -15,20 +16,8 @@ from viscopoint.kernels.cache_folder import cache_folder
 from viscopoint.kernels.jit import implements
 from viscopoint.kernels.kinematics import deformed
 from viscopoint.kernels.logarithm import log
-from viscopoint.kernels.tensors import Matrix, Sym, contract, determinant, deviator, rotated, spherical
-from viscopoint.materials import (
-    History,
-    HistoryField,
-    Increment,
-    Material,
-    Response,
-    p_wave_modulus,
-    shear_energy,
-    step_factors,
-    stored_energy,
-    update_stress,
-    volumetric_energy,
-)
+from viscopoint.kernels.tensors import Matrix, Sym, determinant, spherical
+from viscopoint.materials import History, HistoryField, Increment, Material, Response, p_wave_modulus
 from viscopoint.materials.block import MaterialBlock
 from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.plastic import Plastic, shear_over_step
@@ -82,30 +71,14 @@ class Witness(NamedTuple):
         )
 
 
-@implements(step_factors, Witness)
-def no_factors(material: Witness, dt: float) -> float:
-    return 0.0
-
-
-@implements(update_stress, Witness)
 def watched(material: Witness, factors: float, increment: Increment, stress: Sym, history: History) -> Response:
     f = increment.deformation
     seen = (f.xx, f.xy, f.xz, f.yx, f.yy, f.yz, f.zx, f.zy, f.zz)
-    shape = rotated(deviator(stress), increment.rotation) + 2.0 * material.shear * deviator(increment.strain)
-    stress = shape + spherical(material.bulk * log(increment.jacobian))
+    stress = sheared(material, increment, stress) + spherical(material.bulk * log(increment.jacobian))
     return Response(stress, seen + history[9:], 0.0, p_wave_modulus(material.bulk, material.shear))
 
 
-@implements(stored_energy, Witness)
-def nothing_stored(material: Witness, jacobian: float, stress: Sym, history: History) -> float:
-    return 0.0
-
-
-@implements(shear_energy, Witness)
-def no_shear_energy(material: Witness, stress: Sym, history: History) -> float:
-    return 0.0
-
-
+solid(Witness, watched)
 WITNESS = Witness(1e-3, 550.0, 140.0)
 
 
@@ -209,28 +182,12 @@ class Soft(NamedTuple):
         return ()
 
 
-@implements(step_factors, Soft)
-def nothing_of_a_step(material: Soft, dt: float) -> float:
-    return 0.0
-
-
-@implements(update_stress, Soft)
 def soft_stress(material: Soft, factors: float, increment: Increment, stress: Sym, history: History) -> Response:
-    shape = rotated(deviator(stress), increment.rotation) + 2.0 * material.shear * deviator(increment.strain)
-    stress = shape + spherical(material.bulk * log(increment.jacobian))
+    stress = sheared(material, increment, stress) + spherical(material.bulk * log(increment.jacobian))
     return Response(stress, history, 0.0, p_wave_modulus(material.bulk, material.shear))
 
 
-@implements(stored_energy, Soft)
-def soft_energy(material: Soft, jacobian: float, stress: Sym, history: History) -> float:
-    own = shear_energy(material, stress, history)
-    return volumetric_energy(material.bulk, jacobian, log(jacobian)) + jacobian * own
-
-
-@implements(shear_energy, Soft)
-def soft_shear_energy(material: Soft, stress: Sym, history: History) -> float:
-    shape = deviator(stress)
-    return 0.25 / material.shear * contract(shape, shape)
+solid(Soft, soft_stress)
 
 
 @implements(shear_over_step, Soft)

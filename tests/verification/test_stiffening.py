@@ -13,21 +13,11 @@ import lagrangian
 import numpy as np
 import pytest
 
+from solids import sheared, solid
 from viscopoint.interactions.planes import symmetry_plane
-from viscopoint.kernels.jit import implements
 from viscopoint.kernels.logarithm import log
-from viscopoint.kernels.tensors import Sym, contract, deviator, rotated, spherical
-from viscopoint.materials import (
-    History,
-    HistoryField,
-    Increment,
-    Response,
-    p_wave_modulus,
-    shear_energy,
-    step_factors,
-    stored_energy,
-    update_stress,
-)
+from viscopoint.kernels.tensors import Sym, contract, deviator, spherical
+from viscopoint.materials import History, HistoryField, Increment, Response, p_wave_modulus, shear_energy
 from viscopoint.model.viscosity import BulkViscosity
 
 BULK, SHEAR, S, DENSITY, SPEED = 100.0, 10.0, 33.0, 1e-3, 170.0
@@ -52,31 +42,20 @@ class Stiffening(NamedTuple):
         return ()
 
 
-@implements(step_factors, Stiffening)
-def none(material: Stiffening, dt: float) -> float:
-    return 0.0
-
-
-@implements(update_stress, Stiffening)
 def update(material: Stiffening, factors: float, increment: Increment, stress: Sym, history: History) -> Response:
     u = log(increment.jacobian)
-    shape = rotated(deviator(stress), increment.rotation) + 2.0 * material.shear * deviator(increment.strain)
-    stress = shape + spherical(material.bulk * (u + material.s * u * u * u))
+    stress = sheared(material, increment, stress) + spherical(material.bulk * (u + material.s * u * u * u))
     tangent = material.bulk * (1.0 + 3.0 * material.tells * material.s * u * u)
     return Response(stress, history, 0.0, p_wave_modulus(tangent, material.shear))
 
 
-@implements(stored_energy, Stiffening)
 def energy(material: Stiffening, jacobian: float, stress: Sym, history: History) -> float:
     u, s = log(jacobian), material.s
     volume = jacobian * (u - 1.0 + s * (u * u * u - 3.0 * u * u + 6.0 * u - 6.0)) + 1.0 + 6.0 * s
     return material.bulk * volume + jacobian * shear_energy(material, stress, history)
 
 
-@implements(shear_energy, Stiffening)
-def spring(material: Stiffening, stress: Sym, history: History) -> float:
-    shape = deviator(stress)
-    return 0.25 / material.shear * contract(shape, shape)
+solid(Stiffening, update, stored=energy)
 
 
 def squeezed(method: str, tells: float) -> Any:
@@ -155,12 +134,6 @@ class Stirred(NamedTuple):
         return p_wave_modulus(self.bulk, self.shear)
 
 
-@implements(step_factors, Stirred)
-def no_factors(material: Stirred, dt: float) -> float:
-    return 0.0
-
-
-@implements(update_stress, Stirred)
 def stir(material: Stirred, factors: float, increment: Increment, stress: Sym, history: History) -> Response:
     shape = deviator(increment.strain)
     seen = history[0] + contract(shape, shape)
@@ -168,14 +141,15 @@ def stir(material: Stirred, factors: float, increment: Increment, stress: Sym, h
     return Response(stress + spherical(0.0), (seen,), 0.0, modulus)
 
 
-@implements(stored_energy, Stirred)
 def no_energy(material: Stirred, jacobian: float, stress: Sym, history: History) -> float:
     return 0.0
 
 
-@implements(shear_energy, Stirred)
 def no_shear_energy(material: Stirred, stress: Sym, history: History) -> float:
     return 0.0
+
+
+solid(Stirred, stir, no_energy, no_shear_energy)
 
 
 def test_step_of_a_selective_element_is_that_of_its_stiffest_point_wherever_it_is() -> None:

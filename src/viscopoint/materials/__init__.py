@@ -115,16 +115,10 @@ def hypoelastic_work(material: Any, growth: float, stress: Sym, history: History
 
 
 @inline
-def volumetric_energy(bulk: float, jacobian: float, log_jacobian: float) -> float:
-    """Return ∫ K ln J dJ, the energy per reference volume that p = -K ln J stores."""
-    return bulk * (jacobian * log_jacobian - jacobian + 1.0)
-
-
-@inline
 def volume_and_shear_energy(material: Any, jacobian: float, stress: Sym, history: History) -> float:
-    """Return the stored energy of a material of p = -K ln J, K its ``bulk``."""
+    """Return the stored energy of a material of p = -K ln J, K its ``bulk``: ∫ K ln J dJ, and that of shear."""
     own = jacobian * shear_energy(material, stress, history)
-    return volumetric_energy(material.bulk, jacobian, log(jacobian)) + own
+    return material.bulk * (jacobian * log(jacobian) - jacobian + 1.0) + own
 
 
 @inline

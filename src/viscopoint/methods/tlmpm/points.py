@@ -5,8 +5,6 @@ from typing import NamedTuple
 import numpy as np
 
 from viscopoint.kernels.arrays import Array, Real
-from viscopoint.kernels.jit import inline
-from viscopoint.kernels.tensors import Matrix
 from viscopoint.materials.block import MaterialBlock
 from viscopoint.model.points import MaterialState, VolumeState, material_at_rest, volume_at_rest
 
@@ -36,19 +34,3 @@ def at_rest(position: Array, volume: Array, material: MaterialBlock, real: Real 
         material=material_at_rest(material, count, real),
         shared=volume_at_rest(count, real, real),
     )
-
-
-@inline
-def load_deformation(points: Points, p: int) -> Matrix:
-    """Return F of point p."""
-    f = points.deformation[p]
-    return Matrix(f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8])
-
-
-@inline
-def store_deformation(points: Points, p: int, f: Matrix) -> None:
-    """Store F of point p."""
-    row = points.deformation[p]
-    row[0], row[1], row[2] = f.xx, f.xy, f.xz
-    row[3], row[4], row[5] = f.yx, f.yy, f.yz
-    row[6], row[7], row[8] = f.zx, f.zy, f.zz

@@ -6,6 +6,7 @@ from typing import Any
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import PARTS, inline, kernel
 from viscopoint.kernels.kinematics import volumetric
+from viscopoint.kernels.rows import read_row, write_row
 from viscopoint.kernels.slabs import COLOURS, chunk, coloured_slabs_of
 from viscopoint.kernels.tensors import (
     added,
@@ -19,12 +20,12 @@ from viscopoint.kernels.tensors import (
     times_transposed,
     trace,
 )
-from viscopoint.kernels.workspace import columns, load, load_matrix, load_sym, store, workspace
+from viscopoint.kernels.workspace import NINE, columns, load, load_matrix, load_sym, load_tuple, store, workspace
 from viscopoint.materials.block import AFTER, GRADIENT, STRESS, SWEPT, MaterialCode, call_block
 from viscopoint.methods.mpm.stencil import interpolate
 from viscopoint.methods.tlmpm.interpolation import move_and_deform, scatter_stress
 from viscopoint.methods.tlmpm.lattice import Lattice, cells_in_block, stencil_at
-from viscopoint.methods.tlmpm.points import Points, load_deformation, store_deformation
+from viscopoint.methods.tlmpm.points import Points
 from viscopoint.methods.tlmpm.volumes import DETERMINANT, MID_JACOBIAN, SHARED, VOLUME, share
 from viscopoint.model.points import (
     VISCOUS,
@@ -66,7 +67,7 @@ def strain_points(
                 p: int = order[first + i]
                 at = stencil_at(points, p, lattice, shape)
                 store(work, STEP, i, move_and_deform(points, p, lattice, lattice.velocity, at, dt))
-                store(work, DEFORMATION, i, load_deformation(points, p))
+                store(work, DEFORMATION, i, read_row(points.deformation[p], NINE))
                 store(work, VOLUME, i, points.volume[p])
                 load_material(points.material, p, work, i, material.n_history)
                 load_volume(points.shared, p, work, i)
@@ -78,7 +79,7 @@ def strain_points(
                 respond(work, i, lattice, material, viscosity, stable_length, dt)
             for i in range(count):
                 p: int = order[first + i]
-                store_deformation(points, p, load_matrix(work, DEFORMATION, i))
+                write_row(points.deformation[p], load_tuple(work, DEFORMATION, i, NINE))
                 if load(work, DETERMINANT, i) > 0.0 and load(work, MID_JACOBIAN, i) > 0.0:
                     store_material(points.material, p, work, i, material.n_history)
                     store_volume(points.shared, p, work, i)

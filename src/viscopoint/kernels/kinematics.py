@@ -91,6 +91,5 @@ def deformed(before: Matrix, gradient: Matrix, jacobian: float) -> Matrix:
     Where points share a dilatation, their J is not what their own motion makes of it.
     """
     ahead, back = added(IDENTITY, 0.5, gradient), added(IDENTITY, -0.5, gradient)
-    now = times(times_transposed(1.0 / determinant(back), transposed(cofactor(back)), transposed(ahead)), before)
-    ratio = (jacobian / determinant(now)) ** (1.0 / 3.0)
-    return added(IDENTITY, ratio, added(now, -1.0 / ratio, IDENTITY))
+    now = times(times(transposed(cofactor(back)), ahead), before)  # times det(I - G/2), which the scale takes out
+    return times_transposed((jacobian / determinant(now)) ** (1.0 / 3.0), now, IDENTITY)

@@ -7,20 +7,12 @@ step itself, spring and Maxwell arm share the return as their moduli over the st
 
 from typing import Any, Literal, NamedTuple
 
+from viscopoint import materials
 from viscopoint.case.tables import MaterialInput
 from viscopoint.case.units import Modulus, PositiveModulus
 from viscopoint.kernels.jit import generic, implements
 from viscopoint.kernels.tensors import Sym, contract, deviator, von_mises
-from viscopoint.materials import (
-    History,
-    HistoryField,
-    Increment,
-    Response,
-    shear_energy,
-    step_factors,
-    stored_energy,
-    update_stress,
-)
+from viscopoint.materials import History, HistoryField, Increment, Response
 from viscopoint.materials.elastic import Elastic, ElasticModuli
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic, MaxwellStep, ViscoelasticModuli
 
@@ -86,15 +78,15 @@ def viscoelastic_shear(base: LinearViscoelastic, factors: MaxwellStep) -> float:
     return base.shear_long + base.shear_maxwell * factors.mean_relaxation
 
 
-@implements(step_factors, Plastic)
+@implements(materials.step_factors, Plastic)
 def base_factors(material: Plastic, dt: float) -> Any:
-    return step_factors(material.base, dt)
+    return materials.step_factors(material.base, dt)
 
 
-@implements(update_stress, Plastic)
+@implements(materials.update_stress, Plastic)
 def radial_return(material: Plastic, factors: Any, increment: Increment, stress: Sym, history: History) -> Response:
     base, plastic = material.base, history[-1]
-    trial = update_stress(base, factors, increment, stress, history[:-1])
+    trial = materials.update_stress(base, factors, increment, stress, history[:-1])
     size = von_mises(trial.stress)
     excess = size - (material.yield_stress + material.hardening * plastic)
     loss = trial.dissipated
@@ -103,18 +95,18 @@ def radial_return(material: Plastic, factors: Any, increment: Increment, stress:
         flow = (1.5 * growth / size) * deviator(trial.stress)  # plastic strain increment, along the trial stress
         i = increment
         rest = Increment(i.dt, i.strain - flow, i.rotation, i.jacobian, i.deformation)
-        trial = update_stress(base, factors, rest, stress, history[:-1])
+        trial = materials.update_stress(base, factors, rest, stress, history[:-1])
         # the mean stress of the flow works
         loss = trial.dissipated + (contract(trial.stress, flow) - 0.5 * material.hardening * growth * growth)
         plastic += growth
     return Response(trial.stress, (*trial.history, plastic), loss, trial.p_wave_modulus)
 
 
-@implements(stored_energy, Plastic)
+@implements(materials.stored_energy, Plastic)
 def base_energy(material: Plastic, jacobian: float, stress: Sym, history: History) -> float:
-    return stored_energy(material.base, jacobian, stress, history[:-1])
+    return materials.stored_energy(material.base, jacobian, stress, history[:-1])
 
 
-@implements(shear_energy, Plastic)
+@implements(materials.shear_energy, Plastic)
 def base_shear_energy(material: Plastic, stress: Sym, history: History) -> float:
-    return shear_energy(material.base, stress, history[:-1])
+    return materials.shear_energy(material.base, stress, history[:-1])

@@ -10,20 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from viscopoint.interactions import rows as of_rows
 from viscopoint.interactions.planes import Interaction, Plane, Triple
-from viscopoint.interactions.rows import (
-    INVERSE,
-    REACTIONS,
-    TRIAL,
-    VELOCITY,
-    Rows,
-    add_row,
-    add_slot,
-    empty_rows,
-    load_slot,
-    solve,
-    with_room,
-)
+from viscopoint.interactions.rows import REACTIONS, Rows, add_row, add_slot, empty_rows, load_slot, solve, with_room
 from viscopoint.kernels.arrays import Array, Indices
 from viscopoint.kernels.jit import generic, implements, serial_kernel
 from viscopoint.kernels.vectors import Vec, dot, read_vector, write_vector
@@ -181,9 +170,9 @@ def correct_velocity(grid: Grid, rows: Rows, body: int, slot_of: Indices) -> Non
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
             n, motion = rows.node[s, 1], rows.motion[s]
-            velocity = read_vector(motion, VELOCITY)
+            velocity = read_vector(motion, of_rows.VELOCITY)
             write_vector(grid.velocity[n], velocity)
-            write_vector(grid.dv[n], read_vector(grid.dv[n]) + (velocity - read_vector(motion, TRIAL)))
+            write_vector(grid.dv[n], read_vector(grid.dv[n]) + (velocity - read_vector(motion, of_rows.TRIAL)))
             slot_of[n] = -1
 
 
@@ -192,4 +181,4 @@ def deactivate_rows(rows: Rows, body: int) -> None:
     """Let rows that are solved once more not act on a body's nodes: its step is done."""
     for s in range(rows.size[1]):
         if rows.node[s, 0] == body:
-            write_vector(rows.motion[s], Vec(0.0, 0.0, 0.0), INVERSE)
+            write_vector(rows.motion[s], Vec(0.0, 0.0, 0.0), of_rows.INVERSE)

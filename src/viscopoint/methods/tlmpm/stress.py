@@ -3,23 +3,13 @@
 import math
 from typing import Any
 
+from viscopoint.kernels import tensors
 from viscopoint.kernels.arrays import Array
 from viscopoint.kernels.jit import PARTS, inline, kernel
 from viscopoint.kernels.kinematics import volumetric
 from viscopoint.kernels.rows import read_row, write_row
 from viscopoint.kernels.slabs import COLOURS, chunk, coloured_slabs_of
-from viscopoint.kernels.tensors import (
-    added,
-    cofactor,
-    determinant,
-    deviator,
-    on_areas,
-    spherical,
-    square,
-    steepest,
-    times_transposed,
-    trace,
-)
+from viscopoint.kernels.tensors import added, cofactor, determinant, deviator, on_areas, spherical, square, trace
 from viscopoint.kernels.workspace import NINE, columns, load, load_matrix, load_sym, load_tuple, store, workspace
 from viscopoint.materials.block import AFTER, GRADIENT, STRESS, SWEPT, MaterialCode, call_block
 from viscopoint.methods.mpm.stencil import interpolate
@@ -99,7 +89,7 @@ def strain(work: Any, i: int) -> None:
     step, before = load_matrix(work, STEP, i), load_matrix(work, DEFORMATION, i)
     middle, now = added(before, 0.5, step), added(before, 1.0, step)
     det_middle, det_now = determinant(middle), determinant(now)
-    gradient = times_transposed(1.0 / det_middle, step, cofactor(middle))
+    gradient = tensors.times_transposed(1.0 / det_middle, step, cofactor(middle))
     store(work, GRADIENT, i, gradient)
     store(work, DEFORMATION, i, now)
     store(work, SWEPT, i, volumetric(gradient))
@@ -131,7 +121,7 @@ def respond(
     pressure, size = load(work, VISCOUS, i), load(work, VOLUME, i)
     pull = (load(work, AFTER, i) / det_now) * deviator(stress) + spherical(trace(stress) / 3.0 - pressure)
     store(work, STEP, i, on_areas((-size) * pull, areas))
-    stable = longest_step(viscosity, stable_length / math.sqrt(steepest(inverse)), length, sound, damping)
+    stable = longest_step(viscosity, stable_length / math.sqrt(tensors.steepest(inverse)), length, sound, damping)
     store(work, STEP_LENGTH, i, stable if size > 0.0 else math.inf)
 
 

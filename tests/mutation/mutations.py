@@ -143,7 +143,7 @@ MUTATIONS = [
     Mutation(
         "selective-mean-stress-of-equal-points", "methods/fem/elements/selective.py",
         "POINT_REFERENCE, i) * trace(stress)", "REFERENCE, i) * 0.125 * trace(stress)",
-        f"{VISCOSITY} -k 'accounts and fem-selective'",
+        "verification/test_stiffening.py -k 'mean_stress'",
     ),
     Mutation(
         "selective-step-of-points-of-their-own-volume", "methods/fem/elements/selective.py",

@@ -132,8 +132,23 @@ MUTATIONS = [
     ),
     Mutation(
         "selective-pressure-of-the-undeformed-volume", "methods/fem/elements/selective.py",
-        "load(work, MEAN, i) / load(work, VOLUME, i)", "load(work, MEAN, i) / 1.0",
+        "load(work, MEAN, i) / load(work, REFERENCE, i)", "load(work, MEAN, i) / 1.0",
         f"{VISCOSITY} -k 'accounts and fem-selective'",
+    ),
+    Mutation(
+        "selective-deviator-of-the-present-volume", "methods/fem/elements/selective.py",
+        "load(work, POINT_REFERENCE, i) * load(work, AFTER, i) / det", "det / det",
+        f"{VISCOSITY} -k 'accounts and rings-selective'",
+    ),
+    Mutation(
+        "selective-mean-stress-of-equal-points", "methods/fem/elements/selective.py",
+        "POINT_REFERENCE, i) * trace(stress)", "REFERENCE, i) * 0.125 * trace(stress)",
+        "verification/test_stiffening.py -k 'mean_stress'",
+    ),
+    Mutation(
+        "selective-step-of-points-of-their-own-volume", "methods/fem/elements/selective.py",
+        "weights, counted / det)", "weights, 1.0 / det)",
+        "verification/test_fem_elements.py -k 'most_squeezed'",
     ),
     Mutation(
         "ring-without-all-of-its-hoop", "methods/fem/cells/ring.py",

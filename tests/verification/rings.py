@@ -11,6 +11,7 @@ from viscopoint.methods.fem.section import node_volumes, section_mesh
 from viscopoint.model.body import Body
 
 fem = partial(bricks.fem, safety=0.9)
+PLANE = (0, 2)  # axes along which nodes move
 
 
 def section(radius: float, length: float, columns: int, layers: int, shake: float = 0.0) -> Body:

@@ -4,13 +4,28 @@ from functools import cache
 
 import numpy as np
 import pytest
-from bricks import ELASTIC, ELEMENTS, Array, answer, brick, column, each_element, fem, fitted, upward
+import rings
+from bricks import (
+    ELASTIC,
+    ELEMENTS,
+    SELECTIVE,
+    Array,
+    answer,
+    brick,
+    column,
+    each_element,
+    fem,
+    fitted,
+    highest,
+    upward,
+)
 from columns import COURANT, DENSITY, LENGTH, one_thread  # noqa: F401
 from conserved import EPS, missing
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import root_scalar
 
 from viscopoint.interactions.planes import symmetry_plane
+from viscopoint.materials.elastic import Elastic
 from viscopoint.materials.linear_viscoelastic import LinearViscoelastic
 from viscopoint.methods.fem.elements import Element
 from viscopoint.methods.fem.method import Discretisation, FiniteElementMethod
@@ -188,6 +203,37 @@ def test_mesh_is_stable_at_the_usual_safety(element: Element, shear: float, body
     now = method.totals()
     # what leapfrog keeps of a mode is kinetic + stored (1 - (w dt / 2)^2)
     assert now.kinetic + now.stored < start / (1 - safety**2)
+
+
+UNEVEN = {"cube": (brick((1.0, 1.0, 1.0), (1, 1, 1)), (0, 1, 2)), "rings": (rings.section(1.0, 2.0, 1, 2), rings.PLANE)}
+
+
+@pytest.mark.parametrize(("body", "axes"), UNEVEN.values(), ids=UNEVEN.keys())
+@pytest.mark.parametrize("bulk", [1.0, 550.0])
+def test_step_of_a_selective_element_allows_for_its_most_squeezed_point(
+    body: Body, axes: tuple[int, ...], bulk: float
+) -> None:
+    """That point works on more than its own volume, which makes it as much stiffer; all is free of shear stress."""
+    rng = np.random.default_rng(4)
+    method = fem(body, SELECTIVE, Elastic(DENSITY, bulk, 140.0), safety=1.0)
+    fixed, elements = (body.position == 0.0) & (method.nodes.inverse_mass == 0.0), method.elements
+    start = {name: rows.copy() for name, rows in method.state().items()}
+    shares, squeezed = [], []
+    while len(shares) < 200:
+        place = body.position.copy()
+        place[:, axes] += rng.uniform(0.0, 0.8) * rng.uniform(-1.0, 1.0, (len(place), len(axes)))
+        place[fixed] = 0.0
+        volumes = method.form.point_volumes(place, body.cells)
+        if volumes.min() < 0.01 * volumes.max():
+            continue
+        method.restore(start)
+        method.nodes.position[:] = place
+        elements.shared.jacobian[:] = volumes.sum(axis=1) / elements.volume.reshape(volumes.shape).sum(axis=1)
+        answer(method, 0.0 * place, 1.0)
+        shares.append(0.5 * method.stable_step() * highest(method, axes))
+        squeezed.append(volumes.max() / volumes.min())
+    assert max(squeezed) > 20.0
+    assert 0.7 < max(shares) < 1.0
 
 
 # --- crushing ---

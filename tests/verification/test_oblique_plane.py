@@ -9,14 +9,14 @@ import bricks
 import lagrangian
 import numpy as np
 import pytest
-from columns import ELASTIC, Array, block, one_thread, rod, viscoelastic  # noqa: F401
+from columns import ELASTIC, Array, block, each_precision, one_thread, rod, viscoelastic  # noqa: F401
 from conserved import ROUNDING
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from viscopoint.interactions.planes import RigidPlane
 from viscopoint.interactions.rows import NORMAL_WORK
-from viscopoint.kernels.arrays import Indices
+from viscopoint.kernels.arrays import Indices, Real
 from viscopoint.methods.fem.elements import Element
 from viscopoint.methods.mpm.geometry import Box
 from viscopoint.model.method import Totals
@@ -195,6 +195,29 @@ def test_oblique_plane_obeys_its_laws(kind: str, friction: float) -> None:
         # leapfrog's account of a wave is off by (w dt / 2)^2 of it: of the shortest, which a corner excites, by a
         # fourth and more. Half a percent is seen of all energy; what the plane takes from nodes that stop is counted
         assert abs(1 - now.energy / start.energy) < 0.01
+
+
+@bricks.each_element
+@each_precision
+def test_an_edge_that_is_struck_off_leaves_the_energy(element: Element, real: Real) -> None:
+    """The edge's elements are squeezed at one corner and hardly at the others; what is stored is that and the waves.
+
+    Beside kinetic and stored energy leapfrog keeps -(w dt / 2)^2 of what is stored in a mode, which is at most
+    ``safety``^2 of all.
+    """
+    safety, cells = 0.05, 4
+    body = bricks.brick((SIDE,) * 3, (cells,) * 3)
+    edge = RigidPlane((-0.5 * SIDE, 0.0, 0.0), (np.sqrt(0.5), 0.0, np.sqrt(0.5)), 0.0)
+    flight = -SPEED * np.array(edge.normal)
+    method = bricks.fem(body, element, ELASTIC, (edge,), flight, viscosity=PULSE, real=real, safety=safety)
+    start, time, off, stored = method.totals(), 0.0, 0.0, 0.0
+    while time < TIME:
+        dt = method.stable_step()
+        method.advance(dt)
+        now, time = method.totals(), time + dt
+        off, stored = max(off, abs(now.energy / start.energy - 1)), max(stored, now.stored)
+    assert stored > 0.4 * start.energy
+    assert off < safety**2
 
 
 def test_elements_and_total_lagrangian_points_make_the_same_of_an_oblique_impact() -> None:

@@ -18,6 +18,8 @@ from viscopoint.interactions.planes import symmetry_plane
 from viscopoint.kernels.logarithm import log
 from viscopoint.kernels.tensors import Sym, contract, deviator, spherical
 from viscopoint.materials import History, HistoryField, Increment, Response, p_wave_modulus, shear_energy
+from viscopoint.methods.fem.elements.one_point import OnePoint
+from viscopoint.methods.fem.hourglass import StiffnessControl
 from viscopoint.model.viscosity import BulkViscosity
 
 BULK, SHEAR, S, DENSITY, SPEED = 100.0, 10.0, 33.0, 1e-3, 170.0
@@ -168,3 +170,16 @@ def test_step_of_a_selective_element_is_that_of_its_stiffest_point_wherever_it_i
         bricks.answer(soft, velocity, dt)  # as stiff from the start
         np.testing.assert_allclose(method.critical, soft.critical, rtol=1e-12)
     np.testing.assert_allclose(steps[0], steps[1], rtol=1e-12)
+
+
+def test_mean_stress_of_a_selective_element_counts_points_by_their_reference_volumes() -> None:
+    """Pressures that differ from point to point push as one would in an element of one point, however uneven it is."""
+    body, rng = bricks.brick((2.0, 2.0, 2.0), (2, 2, 2), shake=0.2), np.random.default_rng(3)
+    law, motion = Stirred(DENSITY, BULK, SHEAR), 0.1 * rng.normal(size=body.position.shape)
+    full, one = (bricks.fem(body, element, law) for element in (bricks.SELECTIVE, OnePoint(StiffnessControl(0.0))))
+    pressure, volume = rng.uniform(1.0, 2.0, (8, 8)), full.elements.volume.reshape(8, 8)
+    mean = (volume * pressure).sum(axis=1) / volume.sum(axis=1)
+    full.elements.material.stress[:, :3] = -pressure.reshape(-1, 1)
+    one.elements.material.stress[:, :3] = -mean[:, None]
+    found, expected = (bricks.answer(method, motion, 1.0) for method in (full, one))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * mean.max())  # on areas of 1 mm^2

@@ -14,6 +14,7 @@ from viscopoint.methods.fem import cells, elements
 from viscopoint.methods.fem.mesh import Slabs
 from viscopoint.methods.fem.state import (
     PLACE,
+    POINT_REFERENCE,
     REFERENCE,
     REST_STEP,
     STEP_LENGTH,
@@ -63,6 +64,7 @@ def strain_elements(
                 for i in range(count):
                     q = np.int64(order[first + i]) * points + k
                     load_material(rows.material, q, work, i, material.n_history)
+                    store(work, POINT_REFERENCE, i, rows.volume[q])
                 for i in range(count):
                     elements.strain(element, work, i, k, cell, dt)
                 call_block(material.update, work, count, material.numbers)

@@ -30,15 +30,16 @@ TWELVE = (0.0,) * 12
     REFERENCE,  # volume at the start
     VOLUME,  # present; not positive: turned inside out
     WHOLE,  # least volume of the element or its points, also at mid-step; not positive: turned inside out
-    MEAN,  # Σ det tr σ / 3 over the points
+    MEAN,  # Σ V tr σ / 3 over the points, V their reference volumes
     SHARPEST,  # what the points take of shear (``cells.sharpest``)
-    DET,  # of a point
+    POINT_REFERENCE,  # volume of a point at the start
+    COUNTED,  # volume for which a point's energy is counted, over its present one
     STIFFEST,  # greatest K + 4G/3 of the points so far
     HOURGLASS_WORK,
     REST_STEP,  # longest stable step without bulk viscosity
     STEP_LENGTH,  # longest stable step
     _,
-) = columns(24, 24, 21, 12, *(1,) * 10, first=OWN)
+) = columns(24, 24, 21, 12, *(1,) * 11, first=OWN)
 
 
 class Elements(NamedTuple):

@@ -152,8 +152,8 @@ def add_point_force(on: Any, weights: Any, stress: Columns, k: int) -> Any:
 
 
 @generic
-def sharpest(place: Any, so_far: float, weights: Any, det: float) -> float:
-    """Return what the points up to this one take of shear, for ``selective_length``."""
+def sharpest(place: Any, so_far: float, weights: Any, scale: float) -> float:
+    """Return what the points up to this one take of shear, ``scale`` |weights|² each, for ``selective_length``."""
     raise NotImplementedError
 
 

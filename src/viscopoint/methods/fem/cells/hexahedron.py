@@ -198,12 +198,12 @@ def gathered(on: Modes, weights: Slopes, stress: Columns, k: int) -> Modes:
 
 
 @implements(cells.sharpest, Modes)
-def greatest_area(place: Modes, so_far: float, weights: Slopes, det: float) -> float:
+def greatest_area(place: Modes, so_far: float, weights: Slopes, scale: float) -> float:
     area = dot(weights.xi, weights.xi) + dot(weights.eta, weights.eta) + dot(weights.zeta, weights.zeta)
-    return max(so_far, area / det)
+    return max(so_far, scale * area)
 
 
 @implements(cells.selective_length, Modes)
 def with_shear(place: Modes, gradient: Gradient, volume: float, sharpest: float) -> float:
-    # shear at eight points: 2G Σ det |ε|² <= 2G · 8 max(area/det) of the modes' squares (see ``brick_length``)
+    # shear at eight points: 2G Σ V |dev ε|² <= 4G/3 · 8 max(V area/det²) of the modes' squares (see ``brick_length``)
     return min(cells.stable_length(place, gradient, volume), 2.0 * math.sqrt(volume / (8.0 * sharpest)))

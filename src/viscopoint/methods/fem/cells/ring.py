@@ -239,8 +239,8 @@ def ring_length(place: Modes, gradient: Weights, volume: float) -> float:
 
 
 @implements(cells.sharpest, Modes)
-def more_shear(place: Modes, so_far: float, weights: Weights, det: float) -> float:
-    return so_far + shearing(place, weights) / det
+def more_shear(place: Modes, so_far: float, weights: Weights, scale: float) -> float:
+    return so_far + scale * shearing(place, weights)
 
 
 @implements(cells.selective_length, Modes)

@@ -48,6 +48,20 @@ def test_a_rim_that_curls_up_is_not_in_contact():
     assert found.impact_face_radius == pytest.approx(RADIUS, rel=1e-9)
 
 
+def test_an_uneven_rim_of_which_some_nodes_alone_are_on_the_wall_hides_no_contact():
+    body = rod_mesh(RADIUS, LENGTH, SIZE)
+    position, rim = body.position.copy(), body.surface.ring[0]
+    position[position[:, 2] < 0.5 * SIZE, 2] = 2.0 * NEAR  # the face is off the wall
+    position[rim, 2] = np.where(
+        np.arange(len(rim)) % 4 == 0, 0.0, 6.0 * NEAR
+    )  # so is the rim, but for each fourth node
+    face = np.setdiff1d(body.surface.impact_face[:, 0], rim)
+    within = np.hypot(position[face, 0], position[face, 1]).max()
+    # the outline rises from 2 NEAR there to 4.5 NEAR at the rim, and passes the lowest of its points by NEAR on the way
+    expected = within + (RADIUS - within) / 2.5
+    assert measure(body.surface, position).contact_radius == pytest.approx(expected, rel=1e-9)
+
+
 @pytest.mark.parametrize("mesh", [rod_mesh, section_mesh, half_rings])
 def test_an_undeformed_rod_would_touch_with_its_whole_face(mesh: object):
     body: Body = mesh(RADIUS, LENGTH, SIZE)  # pyright: ignore[reportCallIssue]

@@ -159,6 +159,10 @@ def contact_radius(surface: Surface, position: Array, height: Array, radius: Arr
     most += surface.contact_height
     if height[first] > most:  # the rim is off the wall: only a part of the impact face is on it
         first = add_impact_face(surface, position, height, radius)
+        most = np.inf  # of the mean of an uneven rim, not of its lowest node
+        for n in range(first, len(height)):
+            most = np.minimum(most, height[n])
+        most += surface.contact_height
     found = np.nan
     for n in range(first, len(height)):
         if height[n] > most:

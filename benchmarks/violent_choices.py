@@ -3,7 +3,6 @@
 python benchmarks/violent_choices.py   # some minutes, most of them compiling
 """
 
-import numpy as np
 from convergence import table
 
 import viscopoint as vp
@@ -57,18 +56,17 @@ def case(name: str, choices: dict[str, object]) -> vp.Case:
             "name": "mpm", "geometry": "axisymmetric", "cell": cell, "spacing": spacing, "box": box, **choices,
         },
         "time": {"end": f"{end} us", "snapshots": []},
-        "output": {"history_interval": f"{end / 200} us"},
+        "output": {"history": {"every": f"{end / 200} us"}},
         "guards": {"energy_error": 10.0},
     })  # fmt: skip
 
 
 def measured(name: str, choices: dict[str, object]) -> str:
     """Return least and greatest energy error [%], greatest radius, length and velocity at the end."""
-    rows: list[Row] = []
-    simulation = Simulation(build(case(name, choices)), watch=lambda _, row: rows.append(row))
+    simulation = Simulation(build(case(name, choices)))
     simulation.run()
-    lost = 100 * np.array([row.numerical for row in rows]) / simulation.balance.start.kinetic
-    last = rows[-1]
+    numerical = simulation.history.rows()[:, Row._fields.index("numerical")]
+    lost, last = 100 * numerical / simulation.balances[0].start.kinetic, simulation.history.newest
     return f"{lost.min():+.1f}, {lost.max():+.1f}; {last.greatest_radius:.2f}, {last.length:.2f}, {last.velocity:.2f}"
 
 

@@ -23,7 +23,7 @@ from viscopoint.results.verify import verify
         ("run", [None], {}, "run, case: None is not a Case or text or a path"),
         ("run", [3], {}, "run, case: 3 is not a Case or text or a path"),
         ("run", ["papr"], {}, "there is no case 'papr', neither packaged nor a file; did you mean 'paper'?"),
-        ("run", ["paper", 3], {}, "run, out: 3 is not text or a path or None"),
+        ("run", ["paper", 3], {}, "run, folder: 3 is not text or a path or None"),
         ("run", ["paper"], {"checkpoint_every": 10}, "run, checkpoint_every: 10 is not text"),
         ("run", ["paper"], {"force": "yes"}, "run, force: 'yes' is not True or False"),
         ("run", ["paper"], {"watch": 3}, "run, watch: 3 is not a function or None"),

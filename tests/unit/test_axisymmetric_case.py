@@ -26,8 +26,8 @@ def test_paper_s_case_changes_by_one_key():
 ])  # fmt: skip
 def test_an_undeformed_rod_measures_what_the_case_says(changes: dict[str, str], method: str, length: float):
     simulation = Simulation(build(vp.Case.load("paper", changes, method=method).with_(ROUND)))
-    start = simulation.balance.start
-    row = simulation.balance.row(0.0, 0, 0.0)
+    start = simulation.balances[0].start
+    row = simulation.balances[0].row(0.0, 0, 0.0)
     assert (row.length, row.impact_face_radius, row.greatest_radius) == pytest.approx((length, 3.8, 3.8), rel=1e-12)
     assert start.mass == pytest.approx(1e-3 * 3.141592653589793 * 3.8**2 * length, rel=1e-12)
     assert start.kinetic == pytest.approx(0.5 * start.mass * 150.0**2, rel=1e-12)

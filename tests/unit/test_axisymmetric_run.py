@@ -20,6 +20,7 @@ from viscopoint.model.body import Body, Surface, spacing
 from viscopoint.model.measurements import measure
 from viscopoint.model.method import Field
 from viscopoint.report.scene import scene_of
+from viscopoint.results.output.fields import file_of
 from viscopoint.results.reader import Snapshot
 
 RINGS = {"method.geometry": "axisymmetric", "method.size": "0.76 mm", "time.end": "2 us", "time.snapshots": ["1 us"]}
@@ -84,7 +85,7 @@ def test_a_mesh_of_hexahedra_is_refused_for_an_axisymmetric_body(tmp_path: Path)
 
 
 def test_fields_open_in_vtk_as_quadrilaterals_of_the_half_section(done: vp.Run):
-    mesh: Any = pyvista.read(done.folder / "fields.vtkhdf")
+    mesh: Any = pyvista.read(file_of(done.folder, 0))
     assert np.array_equal(mesh.cells_dict[pyvista.CellType.QUAD], done.body.cells)
     assert mesh.compute_cell_sizes()["Area"].sum() == pytest.approx(RADIUS * LENGTH, rel=1e-12)
     last = done.snapshot(-1)

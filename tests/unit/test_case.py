@@ -34,7 +34,7 @@ def test_paper_case_holds_the_paper_s_numbers():
     assert law == pytest.approx((1e-3, 550.0, 5.0, 135.0, 650.0))
     assert isinstance(case.method, MPMInput)
     assert (case.method.cell, case.method.spacing) == (0.5, 0.38)
-    assert case.time.snapshots == pytest.approx((0.005, 0.01, 0.02))
+    assert case.time.snapshots.times == pytest.approx((0.005, 0.01, 0.02))
 
 
 @pytest.mark.parametrize(

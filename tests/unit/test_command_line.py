@@ -38,7 +38,9 @@ def test_run_leaves_a_whole_run_folder_and_show_prints_it(tmp_path: Path):
     assert "complete" in out
     names = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
     figures = {f"figures/{name}.png" for name in ("shapes", "profiles", "histories", "energies")}
-    assert names == {"case.toml", "provenance.json", "summary.json", "history.csv", "fields.vtkhdf", ".lock"} | figures
+    fields = {"fields.vtkhdf.series", "fields/fields_00000.vtkhdf", "fields/fields_00001.vtkhdf"}
+    own = {"case.toml", "provenance.json", "summary.json", "history.csv", ".lock"}
+    assert names == own | fields | figures
     code, shown, _ = call("show", folder)
     assert code == 0
     assert shown == out
@@ -215,7 +217,7 @@ def test_ctrl_c_ends_with_code_130_and_keeps_what_was_computed(tmp_path: Path):
     endless = (
         "time.end=20 ms",
         "time.snapshots=[]",
-        "output.history_interval=0 us",
+        "output.history={every = 1}",
         "method.box.z=['-0.01 mm', '9 m']",
     )
     settings = [word for setting in endless for word in ("--set", setting)]
@@ -338,8 +340,9 @@ def test_a_verification_that_is_interrupted_accuses_nobody(finished: Path, numbe
         "import os, signal\n"
         "from viscopoint.command_line import cli\n"
         "from viscopoint.model import simulation\n"
-        "advance = simulation.Simulation._record\n"
-        f"simulation.Simulation._record = lambda *words: (os.kill(os.getpid(), {number.value}), advance(*words))[1]\n"
+        "Simulation = simulation.Simulation\n"
+        "advance = Simulation._advance_towards\n"
+        f"Simulation._advance_towards = lambda *words: (os.kill(os.getpid(), {number.value}), advance(*words))[1]\n"
         f"cli.app(['verify', {str(finished)!r}])\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import viscopoint as vp
+from viscopoint.results.output.fields import INDEX
 from viscopoint.results.verify import compare_bits
 
 CASE = {"method.spacing": "0.6 mm", "time.end": "6 us", "time.snapshots": ["1 us", "2 us", "3 us", "4 us", "5 us"]}
@@ -64,7 +65,7 @@ def test_a_run_on_a_full_disk_ends_with_a_message_and_goes_on_when_there_is_room
     if folder.exists():
         assert f"`viscopoint resume {folder}`" in messages
         run = vp.Run(folder)
-        for number in range(len(run.times) if (folder / "fields.vtkhdf").exists() else 0):
+        for number in range(len(run.times) if (folder / INDEX).exists() else 0):
             assert (run.snapshot(number)["stress"] == whole.snapshot(number)["stress"]).all()
         code, messages = command("resume", folder, "--no-figures")
         assert (code, "No space left" in messages) == (3, True)
@@ -97,7 +98,7 @@ def test_a_folder_that_is_removed_under_a_run_ends_it_with_a_message(tmp_path: P
     folder = tmp_path / "run"
     line = [sys.executable, "-m", "viscopoint", "run", whole.folder / "case.toml", "--out", folder, "--no-figures"]
     process = subprocess.Popen([str(word) for word in line], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    while not (folder / "fields.vtkhdf").exists():
+    while not (folder / INDEX).exists():
         assert process.poll() is None
         time.sleep(0.001)
     process.send_signal(signal.SIGSTOP)

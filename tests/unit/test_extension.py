@@ -107,7 +107,7 @@ def test_an_element(extended: Path, tmp_path: Path):
     assert abs(velocity(added) - velocity(controlled)) > 1e-6
 
 
-def test_an_output_goes_on_from_a_mark(extended: Path, tmp_path: Path):
+def test_an_output_goes_on_from_a_checkpoint(extended: Path, tmp_path: Path):
     code = f"""
 import sys
 import viscopoint as vp

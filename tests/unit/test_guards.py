@@ -1,13 +1,16 @@
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import viscopoint as vp
 from viscopoint.case.tables import Guards
+from viscopoint.model.callbacks import Callback
 from viscopoint.model.energy_balance import Row
 from viscopoint.model.guards import GuardError, check_row, check_step
 from viscopoint.model.method import FailureHints, Totals
+from viscopoint.model.simulation import Simulation
 
 METHOD: Any = SimpleNamespace(
     failure_hints=FailureHints._make(["because"] * 6 + ["points lost"]), limiting_element=lambda: "element 7 is thin"
@@ -84,3 +87,21 @@ def test_points_that_leave_the_box_are_counted():
     assert int(snapshot["lost"].sum()) == lost
     outside = abs(snapshot["position"][:, 0]) >= 4.0
     assert (outside == (snapshot["lost"] == 1)).all()
+
+
+class Spoils(Callback):
+    """Makes a body's velocities no numbers after its second step."""
+
+    def __call__(self, simulation: Simulation) -> None:
+        if simulation.step == 2:
+            simulation.model.bodies[0].nodes.velocity[:] = np.nan  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def test_what_is_not_finite_stays_in_the_history_but_is_no_snapshot():
+    changes = {"method.spacing": "1.2 mm", "time.end": "4 us", "time.snapshots": {"every": 1}}
+    run = vp.run(vp.Case.load("paper", changes, method="tlmpm"), callbacks=[Spoils()])
+    assert run.status == "stopped"
+    assert "is not finite" in run.results.reason
+    assert run.columns["step"].tolist() == [0, 1, 2, 3]
+    assert [row.step for row in run.rows] == [0, 1, 2]
+    assert run.times.tolist() == run.columns["time"][:3].tolist()

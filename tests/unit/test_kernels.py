@@ -36,7 +36,7 @@ def test_an_edited_material_is_never_run_stale_and_a_warm_start_compiles_nothing
 ):
     copy, cold = copied(tmp_path / "copy"), fill(tmp_path / "cache", tmp_path_factory)
     assert run_python(ELASTIC, copy, tmp_path / "cache") == [cold, LOADED]
-    edit(copy / "materials" / "__init__.py", "return bulk * (", "return 2.0 * bulk * (")
+    edit(copy / "materials" / "__init__.py", "return material.bulk * (", "return 2.0 * material.bulk * (")
     edited, loaded, *compiled = run_python(ELASTIC, copy, tmp_path / "cache")
     assert (loaded, compiled) == ("0", ALL)
     assert float(edited) == 2.0 * float(cold)
@@ -97,7 +97,7 @@ def test_code_compiled_after_an_edit_is_of_what_was_imported_and_nobody_else_loa
     edited_meanwhile = (
         "from pathlib import Path; import viscopoint.materials.block\n"
         f"law = Path({str(law)!r})\n"
-        "law.write_text(law.read_text().replace('return bulk * (', 'return 2.0 * bulk * ('))\n"
+        "law.write_text(law.read_text().replace('return material.bulk * (', 'return 2.0 * material.bulk * ('))\n"
     )
     old, loaded, *compiled = run_python(edited_meanwhile + ELASTIC, copy, tmp_path / "cache")
     assert (old, loaded, compiled) == (cold, "0", ALL)

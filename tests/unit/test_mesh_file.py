@@ -178,7 +178,7 @@ def test_a_run_folder_keeps_the_mesh_and_opens_when_the_original_is_gone_and_it_
     vp.run(case_of(mesh), tmp_path / "run", figures=False)
     mesh.unlink()
     run = vp.Run((tmp_path / "run").rename(tmp_path / "moved"))
-    assert np.array_equal(run.body.position, run.snapshot(0)["initial_position"])
+    assert np.array_equal(run.body.position, run.snapshot(0)["position"])
     assert run.profile(run.snapshot(0))[1] == pytest.approx(RADIUS)
     assert len(run.draw()) == 4
     again = vp.run(vp.Case.load(run.folder / "case.toml"), tmp_path / "again", figures=False)

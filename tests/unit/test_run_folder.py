@@ -2,13 +2,16 @@ import json
 import math
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import pyvista
+from vtkmodules.vtkIOHDF import vtkHDFReader
 
 import viscopoint as vp
-from viscopoint.results.output import fields as field_file
+from viscopoint.results import vtkhdf
+from viscopoint.results.reader import Snapshot
 from viscopoint.results.verify import TIMED, UNKNOWN, compare_bits
 
 
@@ -49,9 +52,9 @@ def test_a_snapshot_reads_only_the_fields_that_are_wanted(finished: Path):
     assert all(np.array_equal(some[name], whole[name]) for name in some.fields)
 
 
-def test_a_run_tells_what_it_begins(quick: vp.Case):
+def test_a_run_tells_what_it_begins(quick: vp.Case, tmp_path: Path):
     told: list[str] = []
-    vp.run(quick, tell=told.append)
+    vp.run(quick, tmp_path / "run", tell=told.append)
     assert [words.split()[0] for words in told] == ["building", "starting;", "drawing"]
 
 
@@ -76,34 +79,50 @@ def test_wall_force_integrates_to_the_impulse(finished: Path):
     assert np.allclose(summed, history["wall_impulse"], rtol=1e-10, atol=1e-10)
 
 
-def test_fields_open_in_vtk_as_an_animation(finished: Path):
+def assert_shows(mesh: Any, snapshot: Snapshot) -> None:
+    """Check that a mesh of VTK's has all fields of a snapshot of material points."""
+    assert np.array_equal(mesh.points, snapshot["position"])
+    for name, field in snapshot.fields.items():
+        if name != "position":
+            assert np.array_equal(mesh.point_data[name], field.values), name
+    assert mesh.n_cells == mesh.n_points
+
+
+def test_fields_open_in_pyvista_as_a_series_in_time(finished: Path):
     run = vp.Run(finished)
-    reader = pyvista.get_reader(finished / "fields.vtkhdf").reader  # VTK's own, which ParaView uses too
-    reader.UpdateInformation()
-    assert reader.GetNumberOfSteps() == len(run.times)
+    reader: Any = pyvista.get_reader(finished / "fields.vtkhdf.series")
+    assert reader.time_values == run.times.tolist()
     for number, time in enumerate(run.times):
-        reader.SetStep(number)
+        reader.set_active_time_value(time)
+        mesh = reader.read()
+        assert_shows(mesh, run.snapshot(number))
+
+
+def test_fields_open_in_paraview_as_a_series_in_time(finished: Path):
+    # ParaView reads the index (JSON: version 1.0, names beside it, times) itself, and gives each file to VTK's reader
+    run = vp.Run(finished)
+    index = json.loads((finished / "fields.vtkhdf.series").read_text())
+    assert index["file-series-version"] == "1.0"
+    assert [entry["time"] for entry in index["files"]] == run.times.tolist()
+    for number, entry in enumerate(index["files"]):
+        reader = vtkHDFReader()
+        assert reader.CanReadFile(str(finished / entry["name"]))
+        reader.SetFileName(str(finished / entry["name"]))
         reader.Update()
-        assert reader.GetTimeValue() == time
-        mesh = pyvista.wrap(reader.GetOutput())
-        snapshot = run.snapshot(number)
-        assert np.array_equal(mesh.points, snapshot["position"])
-        for name, field in snapshot.fields.items():
-            if name != "position":
-                assert np.array_equal(mesh.point_data[name], field.values), name
-        assert mesh.n_cells == mesh.n_points
+        mesh = pyvista.wrap(reader.GetOutputDataObject(0))
+        assert_shows(mesh, run.snapshot(number))
+        assert mesh.field_data["TimeValue"].tolist() == [run.times[number]]
 
 
 def test_fields_are_those_of_the_physics(finished: Path):
     run = vp.Run(finished)
     last = run.snapshot(-1)
     assert {
-        "position", "initial_position", "displacement", "velocity", "stress", "von_mises", "pressure", "jacobian",
+        "position", "displacement", "velocity", "stress", "von_mises", "pressure", "jacobian",
         "maxwell_stress", "lost",
     } <= set(last.fields)  # fmt: skip
     assert last.fields["stress"].unit == "MPa"
-    assert np.allclose(last["position"] - last["displacement"], last["initial_position"])
-    assert np.array_equal(last["initial_position"], run.body.position)
+    assert np.allclose(last["position"] - last["displacement"], run.body.position)
     bulk = run.case.material.bulk
     assert np.allclose(last["pressure"], -bulk * np.log(last["jacobian"]), rtol=1e-9, atol=1e-9)
     tensor = np.zeros((len(last["stress"]), 3, 3))
@@ -123,7 +142,7 @@ def test_summary_and_history_agree(finished: Path):
 
 def test_provenance_says_what_made_the_run(finished: Path):
     provenance = vp.Run(finished).provenance
-    assert provenance["format"] == 7
+    assert provenance["format"] == 8
     for key in ("viscopoint", "python", "numpy", "numba", "machine", "threads", "started", "ended"):
         assert provenance[key], key
 
@@ -187,13 +206,28 @@ def test_a_run_of_an_older_format_that_was_not_finished_is_not_resumed(tmp_path:
     assert {path: path.read_bytes() for path in before} == before
 
 
-def test_a_run_without_folder_lives_as_long_as_its_object(quick: vp.Case):
-    run = vp.run(quick, figures=False)
-    folder = run.folder
-    assert run.status == "complete"
-    assert folder.is_dir()
-    del run
-    assert not folder.exists()
+def test_a_run_in_memory_writes_no_file_and_has_the_bits_of_one_in_a_folder(
+    quick: vp.Case, finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    opened: list[Path] = []
+    real = Path.open
+
+    def noted(self: Path, mode: str = "r", *rest: Any, **named: Any) -> Any:
+        if mode.strip("b") != "r":
+            opened.append(self)
+        return real(self, mode, *rest, **named)
+
+    monkeypatch.setattr(Path, "open", noted)
+    run = vp.run(quick)
+    assert (run.status, opened, list(tmp_path.iterdir())) == ("complete", [], [])
+    assert compare_bits(run, vp.Run(finished)).same
+    assert run.history.attrs["units"]["length"] == "mm"
+    assert len(run.profile(run.snapshot("2 us"))[0]) > 10
+    assert run.provenance["format"] == 8
+    with pytest.raises(vp.InputError, match="in memory only"):
+        _ = run.folder
+    assert len(run.draw(tmp_path / "figures")) == 4
 
 
 def test_a_full_disk_ends_with_an_output_error_and_keeps_what_is_there(
@@ -216,7 +250,7 @@ def test_a_vanished_folder_ends_with_an_output_error(quick: vp.Case, tmp_path: P
     def full(*arguments: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(field_file, "_append", full)
+    monkeypatch.setattr(vtkhdf, "write", full)
     with pytest.raises(vp.OutputError, match="No space left on device") as caught:
         vp.run(quick, tmp_path / "run")
     assert caught.value.exit_code == 3

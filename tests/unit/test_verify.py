@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 import viscopoint as vp
 from viscopoint.command_line.cli import app
+from viscopoint.results.output.fields import file_of
 from viscopoint.results.verify import _difference, verify
 
 
@@ -21,7 +22,7 @@ def test_a_run_verified_has_the_same_bits(finished: Path):
 def test_the_last_bit_of_one_number_is_found(finished: Path, tmp_path: Path):
     folder = tmp_path / "run"
     shutil.copytree(finished, folder)
-    with h5py.File(folder / "fields.vtkhdf", "r+") as file:
+    with h5py.File(file_of(folder, 2), "r+") as file:
         stress: Any = file["VTKHDF/PointData/stress"]
         stress[-1, 2] = np.nextafter(stress[-1, 2], 0.0)
     verdict = verify(folder)

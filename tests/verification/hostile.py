@@ -14,7 +14,7 @@ import numpy as np
 
 import viscopoint as vp
 from viscopoint.model.build import build
-from viscopoint.model.energy_balance import Row
+from viscopoint.model.callbacks import OnRows
 from viscopoint.model.simulation import Simulation
 
 DENSITY, SHEAR, SHEAR_LONG = 1.0, 145.0, 5.0  # g/cm^3, MPa: about those of the paper
@@ -84,7 +84,7 @@ class Hostile(NamedTuple):
             },
             "method": {**kind.table, **{key: f"{size * cell!r} mm" for key, size in kind.sizes.items()}},
             "time": {"end": f"{(self.flight + TRANSITS) * transit!r} ms"},
-            "output": {"history_interval": f"{self.rows * transit!r} ms"},
+            "output": {"history": {"every": f"{self.rows * transit!r} ms" if self.rows else 1}},
         })  # fmt: skip
 
 
@@ -108,18 +108,19 @@ def end_of(hostile: Hostile) -> End:
     """Run a case and judge how it ended."""
     began, seen = clock.perf_counter(), [0.0]
 
-    def watch(share: float, row: Row) -> None:
-        seen[0] = share
-        if clock.perf_counter() - began > LONGEST:
-            raise EndlessError
+    class Watch(OnRows):
+        def __call__(self, simulation: Simulation) -> None:
+            seen[0] = simulation.share
+            if clock.perf_counter() - began > LONGEST:
+                raise EndlessError
 
     try:
         model = build(hostile.case())
-        simulation = Simulation(model, watch=watch)
+        simulation = Simulation(model, [Watch()])
         outcome = simulation.run()
     except Exception as error:  # whatever it is, it is a finding
         return End(FAILED, repr(error), seen[0])
-    brought = float(np.linalg.norm(simulation.balance.start.momentum))
+    brought = float(np.linalg.norm(simulation.balances[0].start.momentum))
     energy, momentum = outcome.energy_error, outcome.momentum_error / brought
     seconds = clock.perf_counter() - began
     if outcome.status == "complete":

@@ -6,15 +6,14 @@ import bricks
 import columns
 import lagrangian
 import numpy as np
-import pytest
 from numpy.testing import assert_array_equal
 
 import viscopoint as vp
-from viscopoint.errors import InputError
 from viscopoint.integrators.central_differences import CentralDifferences
 from viscopoint.interactions.planes import rigid_wall, symmetry_plane
 from viscopoint.materials.elastic import Elastic
 from viscopoint.model.build import Model, build
+from viscopoint.model.callbacks import Callback
 from viscopoint.model.simulation import Simulation
 
 SOFT = Elastic(density=2e-3, bulk=300.0, shear=100.0)
@@ -66,14 +65,14 @@ def test_a_simulation_of_two_bodies_keeps_a_balance_for_each() -> None:
     simulation = Simulation(two_rods())
     outcome = simulation.run()
     assert outcome.status == "complete"
-    steps = simulation.balances[0].rows[-1].step
-    assert steps == simulation.balances[1].rows[-1].step == outcome.steps
-    for balance in simulation.balances:
-        assert [row.time for row in balance.rows] == [0.0, 0.002, 0.004]
-        start, end = balance.rows[0], balance.rows[-1]
+    rods = [simulation.history.of_snapshots(body) for body in (0, 1)]
+    assert rods[0][-1].step == rods[1][-1].step == outcome.steps
+    for rows in rods:
+        assert [row.time for row in rows] == [0.0, 0.002, 0.004]
+        start, end = rows[0], rows[-1]
         assert end.kinetic < start.kinetic
         assert abs(end.numerical) < 0.01 * start.kinetic
-    assert not np.isclose(simulation.balances[0].rows[-1].stored, simulation.balances[1].rows[-1].stored, rtol=1e-6)
+    assert not np.isclose(rods[0][-1].stored, rods[1][-1].stored, rtol=1e-6)
 
 
 def test_a_body_at_rest_beside_one_that_moves_stays_so_and_is_no_division_by_zero() -> None:
@@ -81,15 +80,29 @@ def test_a_body_at_rest_beside_one_that_moves_stays_so_and_is_no_division_by_zer
     model.bodies[1].nodes.velocity[:] = 0.0  # pyright: ignore[reportAttributeAccessIssue]
     simulation = Simulation(model)
     assert simulation.run().status == "complete"
-    brought = simulation.balances[0].rows[0].kinetic
+    brought = simulation.history.row(0).kinetic
     for balance in simulation.balances:
         assert balance.reference.energy == brought
-    last = simulation.balances[1].rows[-1]
+    last = simulation.balances[1].before
     # the wall's reaction to rounded stresses is all there is
     assert max(last.kinetic, last.stored, abs(last.numerical)) < 1e-20 * brought
 
 
-def test_checkpoints_of_several_bodies_are_refused() -> None:
-    keeper: Any = object()
-    with pytest.raises(InputError, match="checkpoints: written of one body only; this model has 2"):
-        Simulation(two_rods(), keeper=keeper)
+class EndsAt(Callback):
+    """Ends a run at a step, as a second Ctrl-C would."""
+
+    def __init__(self, step: int) -> None:
+        self.step = step
+
+    def __call__(self, simulation: Simulation) -> None:
+        if simulation.step == self.step:
+            raise KeyboardInterrupt
+
+
+def test_two_bodies_go_on_from_their_state_with_the_bits_of_a_run_that_was_never_interrupted() -> None:
+    whole, cut, rest = Simulation(two_rods()), Simulation(two_rods(), [EndsAt(5)]), Simulation(two_rods())
+    assert (whole.run().status, cut.run().status) == ("complete", "interrupted")
+    rest.restore(cut.progress, {name: values.copy() for name, values in cut.state().items()})
+    assert rest.run()._replace(wall_time=0.0) == whole.run()._replace(wall_time=0.0)
+    for name, values in whole.state().items():
+        assert_array_equal(values, rest.state()[name], name)

@@ -71,7 +71,7 @@ def simulation(method: Any, energy_error: float = 0.05) -> Simulation:
 def test_errors_of_a_column_at_rest_are_shares_of_the_work_of_its_piston(make: Any) -> None:
     method = make()
     struck = simulation(method)
-    outcome, reference = struck.run(), struck.balance.reference
+    outcome, reference = struck.run(), struck.balances[0].reference
     assert outcome.status == "complete"
     assert all(map(is_finite, outcome.rows))
     work = method.totals().mass / LENGTH * SOUND * SPEED**2 * TIME

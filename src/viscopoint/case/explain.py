@@ -15,6 +15,7 @@ from viscopoint.errors import Fault, nearest
 from viscopoint.messages import clipped, one_line
 
 _CONFIG = ConfigDict(strict=True, allow_inf_nan=False)
+RENAMED = {"output.history_interval": 'output.history, as in history = { every = "0.01 us" }'}  # keys of older cases
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _BOUNDS = {
     "greater_than": ("gt", "must be greater than"),
@@ -42,6 +43,8 @@ def explain(detail: Mapping[str, Any], case: type[BaseModel], tables: Mapping[st
     kind, context = detail["type"], detail.get("ctx", {})
     key, table, field = _where(detail["loc"], case)
     given = _shown(_at(tables, key, detail.get("input")))
+    if kind == "extra_forbidden" and key in RENAMED:
+        return Fault(key, f"is now {RENAMED[key]}")
     if kind == "extra_forbidden":
         return Fault(key, f"unknown key; {nearest(key.rpartition('.')[2], table.model_fields)}")
     if kind == "missing":

@@ -10,18 +10,19 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from pydantic_core import PydanticCustomError
 
 from viscopoint.case.rules import rule
-from viscopoint.case.units import Duration, Gap, Instant, Length, Speed
+from viscopoint.case.schedules import MOST_TIMES, Times
+from viscopoint.case.units import Duration, Gap, Length, Speed
 from viscopoint.errors import nearest
 from viscopoint.interactions.planes import RigidPlane, SymmetryPlane, rigid_wall
 from viscopoint.kernels.arrays import PRECISIONS
 from viscopoint.messages import one_line, unseen
+from viscopoint.model.schedule import Schedule
 from viscopoint.model.viscosity import BulkViscosity
 
 if TYPE_CHECKING:
     from viscopoint.model.body import Body
     from viscopoint.model.memory import Need
 
-MOST_SNAPSHOTS = 10_000
 MOST_ROWS = 10_000  # of history, if the case does not say how many
 
 
@@ -166,26 +167,20 @@ def no_separation_from_the_start(wall: str, gap: float, friction: float) -> str 
     return f"{told}, {given}"
 
 
-def _not_too_many(snapshots: Any) -> Any:
-    """Refuse a list too long before its entries are looked at, each with a fault of its own."""
-    if isinstance(snapshots, list | tuple) and len(snapshots) > MOST_SNAPSHOTS:
-        raise PydanticCustomError("too_long", "has too many entries")
-    return snapshots
-
-
 class Time(Table):
     """When to end and when to keep all fields; the start and the end are always kept."""
 
     end: Duration
-    snapshots: Annotated[
-        tuple[Duration, ...], Field(strict=False, max_length=MOST_SNAPSHOTS), BeforeValidator(_not_too_many)
-    ] = ()
+    snapshots: Times = Schedule()
 
 
 @rule("time.snapshots", "time.end")
-def snapshots_before_the_end(snapshots: tuple[float, ...], end: float) -> str | None:
-    late = [f"{instant * 1e3:.12g} us" for instant in snapshots if instant > end * (1 + 1e-12)]
-    return f"{', '.join(late[:5])}: after time.end, {end * 1e3:g} us" if late else None
+def snapshots_before_the_end(snapshots: Schedule, end: float) -> str | None:
+    late = [f"{instant * 1e3:.12g} us" for instant in snapshots.times if instant > end * (1 + 1e-12)]
+    if late:
+        return f"{', '.join(late[:5])}: after time.end, {end * 1e3:g} us"
+    count = end / snapshots.every
+    return f"{count:.3g} snapshots; no more than {MOST_TIMES:,} are kept" if count > MOST_TIMES else None
 
 
 class Guards(Table):
@@ -199,14 +194,14 @@ class Guards(Table):
 
 
 class Output(Table):
-    """How often to write a line of history.
+    """What is written, and how often.
 
-    0: every step; by default too, unless the run takes more than ``MOST_ROWS`` steps: then about as many rows.
+    A row of history is measured each step, unless the run takes more than ``MOST_ROWS`` steps: then about as many rows.
     """
 
-    history_interval: Instant | None = None
+    history: Times | None = None
 
     def completed(self, time: Time) -> "Output":
-        """Return the table with its interval spelt out."""
-        usual = {"history_interval": time.end / MOST_ROWS}
-        return self if self.history_interval is not None else self.model_copy(update=usual)
+        """Return the table with its schedule spelt out."""
+        usual = {"history": Schedule(every=time.end / MOST_ROWS)}
+        return self if self.history is not None else self.model_copy(update=usual)

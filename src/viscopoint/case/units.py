@@ -165,6 +165,8 @@ _DENSITY = Quantity(
 _MODULUS = Quantity("modulus", "MPa", "550 MPa", (1e-6, 1e7), ("Pa", "kPa", "MPa", "GPa", "psi"))
 _DECAY = Quantity("decay constant", "1/ms", "650 1/ms", (1e-9, 1e12), ("1/s", "1/ms", "1/us"))
 
+duration = _TIME.read  # of a value outside of a table's own keys
+
 Coordinate = Annotated[float, _COORDINATE]
 Length = Annotated[float, Field(gt=0), _LENGTH]
 Gap = Annotated[float, Field(ge=0), _GAP]

@@ -101,7 +101,7 @@ def compare(
         raise InputError("comparing takes two runs or more")
     for run in opened:
         if run.status == "running":
-            raise InputError(f"run folder {run.folder}: not finished: still running, or killed")
+            raise InputError(f"{run.place}: not finished: still running, or killed")
     different = sorted({key for run in opened[1:] for key in differing(opened[0], run)})
     if different and not any_physics:
         raise InputError(_told(opened, different))

@@ -106,13 +106,16 @@ class ReferenceEnergy:
 
     def update(self) -> None:
         """Take in the work that was done since."""
-        work = sum(body.external_work for body in self._bodies)
+        self.restore(sum(body.external_work for body in self._bodies))
+
+    def restore(self, work: float) -> None:
+        """Take over what was brought in earlier, if that is more [mJ]."""
         if work > self.energy:
             self.energy, self.of = work, "the work done so far"
 
 
 class EnergyBalance:
-    """Keeps the account of a body: what there was at the start, the row before, the rows at snapshots, and errors."""
+    """Keeps the account of a body: what there was at the start, the row before, and the greatest errors."""
 
     def __init__(self, method: Method, reference: ReferenceEnergy) -> None:
         """Measure a body at the start; ``reference`` is that of all bodies."""
@@ -129,12 +132,25 @@ class EnergyBalance:
         self.start: Totals = method.totals()
         self.internal = 0.0  # the greatest so far, mJ
         self.before: Row = self.row(0.0, 0, 0.0)
-        self.rows: list[Row] = []  # at the snapshots
         self.errors = (0.0, 0.0, 0.0)  # of energy and momentum, and the share of hourglass energy: the greatest so far
 
-    def restore(self, start: Sequence[float], before: Sequence[float], internal: float) -> None:
-        """Take over the account of a run that was begun earlier."""
-        self.start, self.before, self.internal = Totals.of_flat(start), row_of(before), internal
+    def account(self) -> list[float]:
+        """Return what ``restore`` needs beside the newest row."""
+        return [*self.start.flat(), self.internal, *self.errors, self.reference.energy]
+
+    def restore(self, account: Sequence[float], newest: Row) -> None:
+        """Take over the account of a run that was begun earlier.
+
+        Raises:
+            ValueError: the run did not begin as this one, or there was no such account.
+        """
+        *start, self.internal, energy, momentum, hourglass, reference = account
+        if not np.allclose(start, self.start.flat(), rtol=1e-9):
+            raise ValueError("it does not begin as the case does")
+        if not (np.isfinite(account).all() and min(self.internal, energy, momentum, hourglass) >= 0.0):
+            raise ValueError("its energy balance is none")
+        self.start, self.errors, self.before = Totals.of_flat(start), (energy, momentum, hourglass), newest
+        self.reference.restore(reference)
 
     def record(self, time: float, step: int, time_step: float) -> Row:
         """Measure the body now, and note how far the account is off."""

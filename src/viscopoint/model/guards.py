@@ -1,11 +1,17 @@
 """What stops a run that has gone wrong, and how it says so."""
 
 import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from viscopoint.case.tables import Guards
+from viscopoint.case.tables import Guards as Limits
 from viscopoint.errors import ViscopointError
+from viscopoint.model.callbacks import Callback
 from viscopoint.model.energy_balance import MEASURED, ReferenceEnergy, Row
 from viscopoint.model.method import Method, Totals
+
+if TYPE_CHECKING:
+    from viscopoint.model.simulation import Simulation
 
 ROUNDING = 1e-9  # of sums of masses: all that there is is no more than 100 %
 
@@ -14,7 +20,20 @@ class GuardError(ViscopointError):
     """A guard stopped the run; what was computed so far is kept."""
 
 
-def check_row(row: Row, start: Totals, reference: ReferenceEnergy, limits: Guards, method: Method) -> None:
+class Guards(Callback):
+    """Looks at each row, and at the stable step after each step."""
+
+    def __init__(self, limits: Limits, bodies: Sequence[Method]) -> None:
+        self.limits, self.first_steps = limits, [body.stable_step() for body in bodies]
+
+    def __call__(self, simulation: "Simulation") -> None:
+        for balance in simulation.balances if simulation.has_new_row else ():
+            check_row(balance.before, balance.start, balance.reference, self.limits, balance.method)
+        for balance, first in zip(simulation.balances, self.first_steps, strict=True):
+            check_step(simulation.time, first, self.limits, balance.method)
+
+
+def check_row(row: Row, start: Totals, reference: ReferenceEnergy, limits: Limits, method: Method) -> None:
     """Stop if a quantity is not finite, energy is lost or gained, or too much is eroded or taken by hourglassing.
 
     Args:
@@ -72,7 +91,7 @@ def _not_finite(row: Row) -> str | None:
     return next((name for name, value in quantities if not math.isfinite(value) and name not in excused), None)
 
 
-def check_step(time: float, first: float, limits: Guards, method: Method) -> None:
+def check_step(time: float, first: float, limits: Limits, method: Method) -> None:
     """Stop if the stable step [ms] collapsed or is not a number."""
     step = method.stable_step()
     if step >= limits.smallest_step * first:

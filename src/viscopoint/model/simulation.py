@@ -1,25 +1,24 @@
-"""Drives bodies through time: exact snapshot times, energy balances, guards, outputs."""
+"""Drives bodies through time: exact snapshot times, energy balances, guards, callbacks on their schedules."""
 
 import math
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from viscopoint.errors import InputError
 from viscopoint.integrators.central_differences import CentralDifferences
+from viscopoint.kernels.arrays import AnyArray
 from viscopoint.kernels.jit import check_ready
 from viscopoint.model.build import Model
-from viscopoint.model.energy_balance import EnergyBalance, ReferenceEnergy, Row, row_of
-from viscopoint.model.guards import GuardError, check_row, check_step, is_finite, lost_in_words
-from viscopoint.results.checkpoint import Checkpoint, Keeper
+from viscopoint.model.callbacks import Callback
+from viscopoint.model.energy_balance import EnergyBalance, ReferenceEnergy, Row
+from viscopoint.model.guards import GuardError, Guards, lost_in_words
+from viscopoint.model.history import History
+from viscopoint.model.schedule import EACH_STEP, SAME_TIME, merged
 from viscopoint.results.interruption import Stop
-from viscopoint.results.output import Writer
 
-Watch = Callable[[float, Row], None]
 LOSSES = "complete with losses"  # the status of a run that came to its end without some of its points or elements
-SAME_TIME = 1e-9  # relative: two instants of a case that differ by less are one
 
 
 class Outcome(NamedTuple):
@@ -36,6 +35,15 @@ class Outcome(NamedTuple):
     hourglass_share: float  # greatest ever, %
 
 
+class Progress(NamedTuple):
+    """How far a simulation has come."""
+
+    time: float  # ms
+    step: int
+    time_step: float  # ms
+    busy: float  # s
+
+
 class Simulation:
     """The bodies of a model on their way from the start of its case, or from a checkpoint, to the end.
 
@@ -43,40 +51,59 @@ class Simulation:
     the first body's, the rod's.
     """
 
-    def __init__(
-        self,
-        model: Model,
-        writers: Sequence[Writer] = (),
-        watch: Watch | None = None,
-        keeper: Keeper | None = None,
-        stop: Stop | None = None,
-    ) -> None:
-        """Prepare to run a model; ``keeper`` writes checkpoints, ``stop`` says when somebody wants to end it.
-
-        Raises:
-            InputError: a keeper for several bodies, of which a checkpoint does not tell.
-        """
-        if keeper and len(model.bodies) > 1:
-            raise InputError(f"checkpoints: written of one body only; this model has {len(model.bodies)}")
+    def __init__(self, model: Model, callbacks: Iterable[Callback] = (), stop: Stop | None = None) -> None:
+        """Prepare to run a model; ``stop`` says when somebody wants to end it."""
         check_ready()  # the model may have been built before a fork
-        self.model, self.writers, self.watch = model, writers, watch
-        self.keeper, self.stop = keeper, stop or Stop()
+        case = model.case
+        self.model, self.stop = model, stop or Stop()
         self.integrator = CentralDifferences(model.bodies)
         reference = ReferenceEnergy(model.bodies)
         self.balances = tuple(EnergyBalance(body, reference) for body in model.bodies)
-        self.balance = self.balances[0]
-        self.time, self.step, self.time_step, self.busy = 0.0, 0, 0.0, 0.0
-        self.first_steps = [body.stable_step() for body in model.bodies]
+        self.history = History(case.output.history or EACH_STEP, self.balances)
+        self.callbacks = (self.history, Guards(case.guards, model.bodies), *callbacks)
+        self.time = self.time_before = self.time_step = self.busy = 0.0
+        self.step = 0
+        self._snapshots = case.time.snapshots
+        self._instants = merged((*self._snapshots.instants(case.time.end), case.time.end))  # at which steps end
+        self._exact = frozenset(self._instants)
+
+    # --- what callbacks see ---
+
+    @property
+    def ended(self) -> bool:
+        """Whether the run has come to its end."""
+        return self.time >= self._instants[-1]
+
+    @property
+    def share(self) -> float:
+        """How much of the run's time has passed, of 1."""
+        return self.time / self._instants[-1]
+
+    @property
+    def has_new_row(self) -> bool:
+        """Whether the history has a row of this step."""
+        return len(self.history) > 0 and self.history.newest.step == self.step
+
+    @property
+    def at_snapshot(self) -> bool:
+        """Whether all fields are to be kept now."""
+        steps = self._snapshots.steps
+        return self.step == 0 or self.time in self._exact or bool(steps and self.step % steps == 0)
+
+    # --- the run ---
 
     @np.errstate(all="ignore")  # guards tell what is not finite, once
     def run(self) -> Outcome:
         """Run to the end of the case; a guard or an interruption ends it earlier, and all up to then is kept."""
         status, reason = "complete", ""
+        for callback in self.callbacks:
+            callback.begin(self)
         try:
             self._go()
         except GuardError as error:
             status, reason = "stopped", str(error)
-            self._keep_last_state()
+            for callback in self.callbacks:
+                callback.stopped(self)
         except KeyboardInterrupt:
             status, reason = "interrupted", f"interrupted after t = {self.time * 1e3:.4g} us"
         lossy = [balance for balance in self.balances if balance.before.lost]
@@ -84,107 +111,71 @@ class Simulation:
             told = [lost_in_words(balance.before, balance.start.mass, balance.method) for balance in lossy]
             status, reason = LOSSES, "; ".join(told)
         signal = self.stop.asked if status == "interrupted" else ""  # one that came in the last step changes nothing
-        return Outcome(status, reason, signal, self.balance.rows, self.step, self.busy, *self.balance.errors)
+        rows, errors = self.history.of_snapshots(), self.balances[0].errors
+        return Outcome(status, reason, signal, rows, self.step, self.busy, *errors)
 
     def _go(self) -> None:
-        if not self.balance.rows:
-            self._snapshot(self._record(0.0))
-        self._check_steps()
-        for instant in self._instants()[len(self.balance.rows) - 1 :]:
-            self._snapshot(self._advance_to(instant))
+        if self.step == 0:
+            self._call(self.callbacks)
+        for instant in self._instants:
+            while self.time < instant:
+                began = clock.perf_counter()
+                self._advance_towards(instant)
+                self._call(self.callbacks[:2])  # history and guards
+                self.busy += clock.perf_counter() - began if self.step > 1 else 0.0
+                self._call(self.callbacks[2:])
+                if self.stop.asked:
+                    raise KeyboardInterrupt
 
-    def resume(self, checkpoint: Checkpoint) -> None:
-        """Go on from a checkpoint of the same model by the same version; raise ``ValueError`` if it is none."""
-        progress, balance = checkpoint.progress, self.balance
-        rows = [row_of(values) for values in progress.rows]
-        instants, newest = [0.0, *self._instants()], row_of(progress.before)
-        ordered = rows[-1].time <= newest.time <= progress.time <= instants[-1]
-        if not all(map(is_finite, (*rows, newest))):
-            raise ValueError("its numbers are not finite")
-        if [row.time for row in rows] != instants[: len(rows)] or not ordered:
-            raise ValueError("its times are not those of the case")
-        if not np.allclose(progress.start, balance.start.flat(), rtol=1e-9):
-            raise ValueError("it does not begin as the case does")
-        self.model.method.restore(checkpoint.state)
-        balance.restore(progress.start, progress.before, progress.internal)
-        self.time, self.step, self.time_step = progress.time, progress.step, progress.time_step
-        self.busy, balance.errors, balance.rows = progress.busy, progress.errors, rows
+    def _call(self, callbacks: Sequence[Callback]) -> None:
+        for callback in callbacks:
+            if callback.due(self):
+                callback(self)
 
-    def _checkpoint(self) -> None:
-        if self.keeper is None:
-            return
-        balance = self.balance
-        self.keeper.write(
-            self.model.method.state(),
-            time=self.time, step=self.step, time_step=self.time_step, busy=self.busy, errors=balance.errors,
-            start=balance.start.flat(), before=list(balance.before), internal=balance.internal,
-            rows=[list(row) for row in balance.rows],
-            marks=[writer.mark() for writer in self.writers],
-        )  # fmt: skip
-
-    def _instants(self) -> list[float]:
-        """Return the times of all snapshots after the start."""
-        time = self.model.case.time
-        instants: list[float] = []
-        for instant in sorted((*time.snapshots, time.end)):
-            if not instants or instant > instants[-1] * (1 + SAME_TIME):
-                instants.append(instant)
-        return instants
+    def _advance_towards(self, instant: float) -> None:
+        """Take one step of those, of equal length as far as the stable step allows, that end exactly at an instant."""
+        left = math.ceil((instant - self.time) / self.stable_step() * (1 - SAME_TIME))
+        dt = (instant - self.time) / max(left, 1)
+        self.integrator.advance(dt)
+        self.time_before, self.time = self.time, instant if left <= 1 else self.time + dt
+        self.step, self.time_step = self.step + 1, dt
 
     def stable_step(self) -> float:
         """Return the longest step that all bodies can take next [ms]."""
         return min(body.stable_step() for body in self.model.bodies)
 
-    def _advance_to(self, instant: float) -> list[Row]:
-        """Step to an instant exactly, in steps of equal length as far as the stable step allows."""
-        rows = [balance.before for balance in self.balances]
-        between = self.model.case.output.history_interval or 0.0
-        while self.time < instant:
-            began = clock.perf_counter()
-            left = math.ceil((instant - self.time) / self.stable_step() * (1 - SAME_TIME))
-            dt = (instant - self.time) / max(left, 1)
-            self.integrator.advance(dt)
-            self.time = instant if left <= 1 else self.time + dt
-            self.step, self.time_step = self.step + 1, dt
-            if left <= 1 or self.time - rows[0].time >= between:
-                rows = self._record(dt)
-            self._check_steps()
-            self.busy += clock.perf_counter() - began if self.step > 1 else 0.0
-            if self.stop.asked or (self.keeper and self.keeper.due(self.time)):
-                self._checkpoint()
-            if self.stop.asked:
-                raise KeyboardInterrupt
-        return rows
+    # --- checkpoints ---
 
-    def _check_steps(self) -> None:
-        for body, first in zip(self.model.bodies, self.first_steps, strict=True):
-            check_step(self.time, first, self.model.case.guards, body)
+    def snapshots_until(self, time: float) -> list[float]:
+        """Return the times of the snapshots up to a time, from the start on, but for those by steps [ms]."""
+        return [0.0, *(instant for instant in self._instants if instant <= time)]
 
-    def _record(self, dt: float) -> list[Row]:
-        """Measure, hand the row to all who want it, and let the guards look at it."""
-        rows = [balance.record(self.time, self.step, dt) for balance in self.balances]
-        for writer in self.writers:
-            writer.row(rows[0])
-        if self.watch:
-            self.watch(self.time / self.model.case.time.end, rows[0])
-        for balance, row in zip(self.balances, rows, strict=True):
-            check_row(row, balance.start, balance.reference, self.model.case.guards, balance.method)
-        return rows
+    @property
+    def progress(self) -> Progress:
+        """How far it has come."""
+        return Progress(self.time, self.step, self.time_step, self.busy)
 
-    def _keep_last_state(self) -> None:
-        """Keep what a guard stopped at, if there is anything new and finite to see."""
-        rows = [balance.before for balance in self.balances]
-        if rows[0].time < self.time:  # no row was due at this step
-            rows = [balance.row(self.time, self.step, self.time_step) for balance in self.balances]
-            for writer in self.writers:
-                writer.row(rows[0])
-        if is_finite(rows[0]) and (not self.balance.rows or rows[0].time > self.balance.rows[-1].time):
-            self._snapshot(rows)
+    def state(self) -> dict[str, AnyArray]:
+        """Return all that ``restore`` needs, named "0.stress" for the first body, "history.rows" for a callback."""
+        parts = [(str(number), body.state()) for number, body in enumerate(self.model.bodies)]
+        parts += [(callback.name, callback.state()) for callback in self.callbacks]
+        return {f"{part}.{name}": values for part, state in parts for name, values in state.items()}
 
-    def _snapshot(self, rows: list[Row]) -> None:
-        if self.writers:
-            fields = self.model.method.snapshot()
-            for writer in self.writers:
-                writer.snapshot(rows[0].time, fields)
-        for balance, row in zip(self.balances, rows, strict=True):
-            balance.rows.append(row)
+    def restore(self, progress: Progress, state: Mapping[str, AnyArray]) -> None:
+        """Go on from where a simulation of the same model by the same version stood.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if not 0.0 <= progress.time <= self._instants[-1]:
+            raise ValueError("its time is none of the case")
+        self.time, self.step, self.time_step, self.busy = progress
+        for callback in self.callbacks:
+            callback.restore(_part(state, callback.name), self)
+        for number, body in enumerate(self.model.bodies):
+            body.restore(_part(state, str(number)))
+
+
+def _part(state: Mapping[str, AnyArray], name: str) -> dict[str, AnyArray]:
+    """Return what a state has under the name of a body or a callback."""
+    return {key.removeprefix(f"{name}."): values for key, values in state.items() if key.startswith(f"{name}.")}

@@ -150,7 +150,7 @@ def _shape(run: Run, material: str, method: str, limit: float) -> tuple[Shape, l
     """Return a run's shape, and what it shows at each snapshot, ``[n, ARRAYS]``."""
     snapshots = [run.snapshot(number) for number in range(len(run.times))]
     if not snapshots:
-        raise InputError(f"run folder {run.folder}: has no snapshot to show")
+        raise InputError(f"{run.place}: has no snapshot to show")
     skin = _skin(run, snapshots, limit)
     start = run.body.position
     reach = FAR * np.ptp(start, axis=0).max()
@@ -172,7 +172,7 @@ def _skin(run: Run, snapshots: list[Snapshot], limit: float) -> Skin:
             return skin
     remedy = "method.size" if is_mesh else "method.spacing"
     raise InputError(
-        f"run folder {run.folder}: {len(snapshots)} snapshots would take {size / 1e6:.1f} MB of the report's 3-D view, "
+        f"{run.place}: {len(snapshots)} snapshots would take {size / 1e6:.1f} MB of the report's 3-D view, "
         f"where {limit / 1e6:.1f} MB are left for each run; keep fewer (time.snapshots), or take a larger {remedy}"
     )
 

@@ -1,7 +1,7 @@
 """Checkpoints: all that a run needs to go on as if nothing had happened, whole or not there.
 
-A file in the safetensors format, which holds arrays and text and can hold nothing that is executed: the method's state,
-and as text the progress of the run. A checksum over both tells whether it is what was written.
+A file in the safetensors format, which holds arrays and text and can hold nothing that is executed: the state of the
+simulation, and as text how far it has come. A checksum over both tells whether it is what was written.
 """
 
 import contextlib
@@ -10,7 +10,7 @@ import shutil
 import time as clock
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -20,12 +20,15 @@ from safetensors.numpy import save_file
 from viscopoint.case.units import parse
 from viscopoint.errors import InputError
 from viscopoint.kernels.arrays import AnyArray
+from viscopoint.model.callbacks import Callback
+from viscopoint.model.schedule import Schedule
+from viscopoint.model.simulation import Progress, Simulation
 from viscopoint.results.folder import Held, sync, whole
 
 FOLDER = "checkpoints"
 BUFFERS = 4 * 2**20  # bytes that safetensors takes to write a file, rather more
 KEPT = 2  # the last one may be damaged
-LARGEST_TEXT = 64 * 2**20  # bytes of progress: rows of 10,000 snapshots take 5 MB
+LARGEST_HISTORY = 4 * 2**30  # bytes: seventeen million rows
 DAMAGE = (OSError, ValueError, KeyError, TypeError, AttributeError, MemoryError, SafetensorError)
 STEPS = "critical"  # of the state, what is infinite where there is nothing
 NEVER, SIMULATED = "never", "simulated"
@@ -36,8 +39,8 @@ NotNegative = Annotated[Number, Field(ge=0)]
 Count = Annotated[int, Field(ge=0, lt=2**62)]
 
 
-class Progress(BaseModel):
-    """How far a run has come, beside the method's state; rows are those of the history."""
+class Words(BaseModel):
+    """What a checkpoint says beside the simulation's state."""
 
     model_config = ConfigDict(strict=True, extra="forbid", ser_json_inf_nan="constants")
 
@@ -47,18 +50,17 @@ class Progress(BaseModel):
     step: Count
     time_step: NotNegative  # ms
     busy: NotNegative  # s
-    errors: tuple[NotNegative, NotNegative, NotNegative]  # greatest so far, see ``Simulation``
-    start: list[Number]  # the account at the start, see ``EnergyBalance``
-    internal: NotNegative  # energy, the greatest so far, mJ
-    before: list[float]  # lengths may be not a number
-    rows: Annotated[list[list[float]], Field(min_length=1)]  # at the snapshots
-    marks: list[tuple[Count, Count]]  # of the outputs, see ``output.Writer``
+
+    @property
+    def progress(self) -> Progress:
+        """How far the simulation had come."""
+        return Progress(self.time, self.step, self.time_step, self.busy)
 
 
 class Checkpoint(NamedTuple):
     """What a file holds."""
 
-    progress: Progress
+    words: Words
     state: dict[str, AnyArray]
 
 
@@ -87,36 +89,42 @@ class Every(NamedTuple):
         return cls(np.inf, time) if simulated else cls(time / 1e3, np.inf)
 
 
-class Keeper:
-    """Writes the checkpoints of a run when they are due."""
+class Checkpointer(Callback):
+    """Writes checkpoints into a run folder when they are due, and when the run is asked to end."""
 
     def __init__(self, held: Held, every: Every, sources: str, case: str) -> None:
-        self.held, self.every = held, every
+        self.held, self.every, self.schedule = held, every, Schedule(every=every.simulated)
         self.sources, self.case = sources, case
-        self.written = clock.monotonic(), 0.0  # when the last one was, on the clock and in the run
+        self.written = clock.monotonic()
 
-    def due(self, time: float) -> bool:
-        """Return whether it is time for one, at a time of the run [ms]."""
-        return clock.monotonic() - self.written[0] >= self.every.wall or time - self.written[1] >= self.every.simulated
+    def due(self, simulation: Simulation) -> bool:
+        now, step = simulation.time, simulation.step
+        late = clock.monotonic() - self.written >= self.every.wall
+        asked = late or bool(simulation.stop.asked) or self.schedule.due(simulation.time_before, now, step)
+        return asked and step > 0 and not simulation.ended
 
-    def write(self, state: Mapping[str, AnyArray], **progress: Any) -> None:
-        """Write a checkpoint and forget all but the last two; ``progress`` has the fields of ``Progress``."""
+    def __call__(self, simulation: Simulation) -> None:
+        """Write a checkpoint and forget all but the last two."""
         self.held.check()
-        words = Progress(sources=self.sources, case=self.case, **progress)
-        save(_file(self.held.folder, words.step), words, state)
+        words = Words(sources=self.sources, case=self.case, **simulation.progress._asdict())
+        save(_file(self.held.folder, words.step), words, simulation.state())
         for old in _newest_first(self.held.folder)[KEPT:]:
             old.unlink()
-        self.written = clock.monotonic(), words.time
+        self.written = clock.monotonic()
 
 
-def save(file: Path, progress: Progress, state: Mapping[str, AnyArray]) -> None:
+def save(file: Path, words: Words, state: Mapping[str, AnyArray]) -> None:
     """Write a checkpoint whole or not at all."""
     file.parent.mkdir(exist_ok=True)
-    text = progress.model_dump_json()
+    text = words.model_dump_json()
     with whole(file) as part:
         bytearray(BUFFERS)  # who finds no memory for these ends the process; here it is told
         try:
-            save_file(dict(state), part, {"progress": text, "checksum": _checksum(text, state)})
+            save_file(
+                {name: np.ascontiguousarray(values) for name, values in state.items()},
+                part,
+                {"words": text, "checksum": _checksum(text, state)},
+            )
         except SafetensorError as error:  # a full disk, among others
             raise OSError(str(error)) from None
         with part.open("rb+") as written:
@@ -124,30 +132,44 @@ def save(file: Path, progress: Progress, state: Mapping[str, AnyArray]) -> None:
 
 
 def load(file: Path, like: Mapping[str, AnyArray]) -> Checkpoint:
-    """Read a checkpoint whose state has the names, types and shapes of ``like``.
+    """Read a checkpoint of a simulation whose state has the names, types and widths of ``like``.
+
+    Arrays of bodies have the same lengths too; what callbacks keep grows.
 
     Raises:
         ValueError: it is none, or damaged, or of something else.
     """
     try:
-        if file.stat().st_size > sum(values.nbytes for values in like.values()) + LARGEST_TEXT:
+        if file.stat().st_size > sum(values.nbytes for values in like.values()) + LARGEST_HISTORY:
             raise ValueError("too large")
         with safe_open(file, framework="np", backend="pread") as opened:
-            words = opened.metadata() or {}
-            text, checksum = words["progress"], words["checksum"]
+            told = opened.metadata() or {}
+            text, checksum = told["words"], told["checksum"]
             if set(opened.keys()) != set(like):
                 raise ValueError("other arrays than those of the case")
             state = {name: opened.get_tensor(name) for name in like}
         for name, values in state.items():
-            if values.dtype != like[name].dtype or values.shape != like[name].shape:
+            if not _is_like(values, like[name], grows=not _of_body(name)):
                 raise ValueError(f"{name} is not that of the case")
-            if name != STEPS and not np.isfinite(values).all():
+            if _of_body(name) and not name.endswith(f".{STEPS}") and not np.isfinite(values).all():
                 raise ValueError(f"{name} is not finite")
         if checksum != _checksum(text, state):
             raise ValueError("checksum is wrong")
-        return Checkpoint(Progress.model_validate_json(text), state)
+        return Checkpoint(Words.model_validate_json(text), state)
     except (*DAMAGE, ValidationError) as error:
         raise ValueError(f"{file.name}: {error}") from None
+
+
+def _of_body(name: str) -> bool:
+    """Return whether a simulation's state has this array of a body, whose number its name begins with."""
+    return name.partition(".")[0].isdigit()
+
+
+def _is_like(values: AnyArray, expected: AnyArray, grows: bool) -> bool:
+    if not grows:
+        return (values.dtype, values.shape) == (expected.dtype, expected.shape)
+    width = (values.shape[-1:], expected.shape[-1:]) if values.ndim > 1 else ((), ())
+    return (values.dtype, values.ndim, width[0]) == (expected.dtype, expected.ndim, width[1])
 
 
 def newest(folder: Path, like: Mapping[str, AnyArray]) -> tuple[Checkpoint | None, list[str]]:

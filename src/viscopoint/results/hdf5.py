@@ -1,4 +1,4 @@
-"""HDF5 files, changed as a whole or not at all (``transaction``), and trusted with nothing.
+"""HDF5 files from others, trusted with nothing.
 
 HDF5 would read any file of this machine for whoever wrote one that came by mail, and take memory and time without end:
 by links and datasets that lie elsewhere, groups within groups, sizes that no data stands behind, and pieces that grow
@@ -6,6 +6,7 @@ to more than they are said to hold. A file is used only if it has none of them.
 """
 
 import contextlib
+import io
 import math
 import os
 import zlib
@@ -17,8 +18,6 @@ import h5py
 from h5py import h5d, h5g, h5i, h5l, h5o, h5t, h5z  # pyright: ignore[reportAttributeAccessIssue]  (compiled)
 from numpy.typing import NDArray
 
-from viscopoint.results.transaction import change, reading
-
 LAYOUT = ("v110", "v110")  # the first with checksums of all that is not data
 FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 KNOWN_FILTERS = {h5z.FILTER_DEFLATE, h5z.FILTER_SHUFFLE, h5z.FILTER_FLETCHER32}
@@ -29,24 +28,59 @@ NUMBERS = (h5t.INTEGER, h5t.FLOAT)
 MOST_NAMES, DEEPEST = 1000, 3  # in a file; groups within groups
 
 
+class _Patient(io.FileIO):
+    """A file to write, for HDF5, which does not survive an error: it is told nothing of it."""
+
+    error: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        view = rest = memoryview(data).cast("B")
+        try:
+            while rest and self.error is None:
+                rest = rest[super().write(rest) :]
+        except OSError as error:
+            self.error = error
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        try:
+            return super().truncate(size) if self.error is None else self.tell()
+        except OSError as error:
+            self.error = error
+            return self.tell()
+
+    def readinto(self, buffer: Any) -> int:
+        view = memoryview(buffer).cast("B")
+        got = super().readinto(view) or 0
+        view[got:] = bytes(len(view) - got)  # never written
+        return len(view)
+
+
 @contextlib.contextmanager
-def changed(path: Path) -> Iterator[Any]:
-    """Open a file to change it, made if it is not there; h5py's types say of no name in it what it is.
+def written(path: Path) -> Iterator[Any]:
+    """Make a file and open it to write; afterwards it is on the disk.
 
     Raises:
-        OSError: it could not be written, or is no HDF5; it is as it was.
-        ValueError: it holds what is not its own.
+        OSError: it could not be written.
     """
-    with change(path) as overlay, h5py.File(overlay, "r+" if overlay.size else "w", libver=LAYOUT) as file:
-        _check(file, overlay.size)
-        yield file
+    with _Patient(path, "w+") as raw:
+        with h5py.File(raw, "w", libver=LAYOUT) as file:
+            yield file
+        if raw.error is not None:
+            raise raw.error
+        os.fsync(raw.fileno())
 
 
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[Any]:
-    """Open a file to read it; raises as ``changed`` does."""
-    with reading(path) as raw, h5py.File(raw, "r") as file:
-        _check(file, raw.seek(0, os.SEEK_END))
+    """Open a file to read it; h5py's types say of no name in it what it is.
+
+    Raises:
+        OSError: it is no HDF5.
+        ValueError: it holds what is not its own.
+    """
+    with path.open("rb", buffering=0) as raw, h5py.File(raw, "r") as file:
+        _check(file, os.fstat(raw.fileno()).st_size)
         yield file
 
 

@@ -1,5 +1,6 @@
 """Where a result comes from: versions, machine, threads, times."""
 
+import functools
 import platform
 import subprocess
 import sys
@@ -18,8 +19,8 @@ from viscopoint.kernels.sources import digest
 from viscopoint.messages import one_line
 
 # of run folders; 3: radii at the surface; 4: hypoelastic energy; 5: points of tlmpm cell by cell; 6: checksums;
-# 7: contact radius, mass, losses
-FORMAT, READABLE = 7, (5, 6, 7)
+# 7: contact radius, mass, losses; 8: a file for each snapshot
+FORMAT, READABLE = 8, (5, 6, 7, 8)
 PACKAGES = ("h5py", "pydantic")  # beside those on which bits depend
 
 
@@ -57,6 +58,7 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
+@functools.cache
 def _commit() -> str | None:
     """Return the commit of the package's own checkout, with a "+" if it was changed; None if installed otherwise."""
     package = Path(__file__).parents[1]
@@ -74,6 +76,7 @@ def _commit() -> str | None:
         return None
 
 
+@functools.cache
 def _processor() -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()

@@ -21,9 +21,11 @@ from viscopoint.model.body import Body
 from viscopoint.model.energy_balance import UNITS
 from viscopoint.model.measurements import profile
 from viscopoint.model.method import Field
-from viscopoint.results import older
+from viscopoint.results import vtkhdf
 from viscopoint.results.folder import CASE, PROVENANCE, SUMMARY, is_folder
-from viscopoint.results.output import fields as field_file
+from viscopoint.results.older_formats import fields as older_fields
+from viscopoint.results.older_formats import words as older
+from viscopoint.results.output import fields as field_files
 from viscopoint.results.output import history as history_file
 from viscopoint.results.provenance import READABLE
 from viscopoint.results.safe_read import contents, kept, table
@@ -101,6 +103,11 @@ class Reader:
         return f"Run({str(self.folder)!r}, {self.status})"
 
     @property
+    def place(self) -> str:
+        """Where the run is, in words."""
+        return f"run folder {self.folder}"
+
+    @property
     def status(self) -> str:
         """How the run ended: "complete", "complete with losses", "stopped" (by a guard), "interrupted"; or "running".
 
@@ -118,13 +125,10 @@ class Reader:
         """The rod's points at the start, as the case gives them; ``InputError`` if they would not fit here."""
         memory.check(self.case.method.need(self.case.rod), memory.machine())
         today = self.case.method.body(self.case.rod)
-        if not (self.is_older and len(today.cells)):
+        if not (older.has_other_nodes(self.provenance) and len(today.cells)):
             return today
-        try:
-            first = field_file.read(self._file(field_file.NAME), 0, ("position", "displacement"))
-            return older.body(today, first["position"].values - first["displacement"].values)
-        except CORRUPT as error:
-            raise self._unreadable(field_file.NAME, error) from None
+        first = self._fields(0, ("position", "displacement"))
+        return older.body(today, first["position"].values - first["displacement"].values)
 
     @functools.cached_property
     def columns(self) -> dict[str, NDArray[np.float64]]:
@@ -153,10 +157,26 @@ class Reader:
     @functools.cached_property
     def times(self) -> NDArray[np.float64]:
         """The times of the snapshots [ms]."""
+        name = older_fields.NAME if self.is_older else field_files.INDEX
         try:
-            return field_file.times(self._file(field_file.NAME))
+            return older_fields.times(self._file(name)) if self.is_older else field_files.times(self.folder)
+        except FileNotFoundError:
+            raise self._lacks(name) from None
         except CORRUPT as error:
-            raise self._unreadable(field_file.NAME, error) from None
+            raise self._unreadable(name, error) from None
+
+    def _fields(self, number: int, only: Collection[str] | None) -> dict[str, Field]:
+        """Return the fields of a snapshot, as far as they are there."""
+        path = field_files.file_of(self.folder, number)
+        name = older_fields.NAME if self.is_older else f"{field_files.FOLDER}/{path.name}"
+        try:
+            if self.is_older:
+                return older_fields.read(self._file(name), number, only)
+            return vtkhdf.read(kept(path.parent, path.name, LARGEST_FIELDS), only)
+        except FileNotFoundError:
+            raise self._lacks(name) from None
+        except CORRUPT as error:
+            raise self._unreadable(name, error) from None
 
     @checked
     def snapshot(self, time: str | int, only: Collection[str] | None = None) -> Snapshot:
@@ -170,15 +190,12 @@ class Reader:
             InputError: the run has no such snapshot.
         """
         number = self._number(time) if isinstance(time, str) else self._counted(time)
-        try:
-            fields = field_file.read(self._file(field_file.NAME), number, only)
-        except CORRUPT as error:
-            raise self._unreadable(field_file.NAME, error) from None
+        fields = self._fields(number, only)
         missing = [name for name in ALWAYS if name not in fields and (only is None or name in only)]
         if missing:
-            raise self._unreadable(field_file.NAME, f"it has no {missing[0]}")
+            raise self._unreadable(field_files.FOLDER, f"a snapshot has no {missing[0]}")
         if any(len(field.values) != len(self.body.position) for field in fields.values() if field.on == "points"):
-            raise self._unreadable(field_file.NAME, f"its points are not those of {CASE}")
+            raise self._unreadable(field_files.FOLDER, f"points of a snapshot are not those of {CASE}")
         return Snapshot(float(self.times[number]), fields)
 
     @checked
@@ -193,8 +210,7 @@ class Reader:
         except (IndexError, TypeError):
             count = len(self.times)
             raise InputError(
-                f"run folder {self.folder}: no snapshot {number!r}; give a number below {count}, or a time such as "
-                '"20 us"'
+                f'{self.place}: no snapshot {number!r}; give a number below {count}, or a time such as "20 us"'
             ) from None
 
     def _number(self, text: str) -> int:
@@ -208,16 +224,18 @@ class Reader:
         if apart[number] <= NEAR * self.times[-1] or math.isclose(time, parse(shown[number], "ms"), rel_tol=1e-12):
             return number
         there = ", ".join(shown)
-        raise InputError(f'run folder {self.folder}: no snapshot at "{text}"; there are {there}')
+        raise InputError(f'{self.place}: no snapshot at "{text}"; there are {there}')
 
     def _file(self, name: str, most: int = LARGEST_FIELDS) -> Path:
         try:
             return kept(self.folder, name, most)
         except (FileNotFoundError, NotADirectoryError):
-            told = f"has no {name}; it is not the folder of a run, or not whole"
-            raise InputError(f"run folder {self.folder}: {told}") from None
+            raise self._lacks(name) from None
         except (OSError, ValueError) as error:
             raise self._unreadable(name, error) from None
+
+    def _lacks(self, name: str) -> InputError:
+        return InputError(f"run folder {self.folder}: has no {name}; it is not the folder of a run, or not whole")
 
     def _unreadable(self, name: str, error: Exception | str) -> InputError:
         return InputError(f"run folder {self.folder}: {name} cannot be read ({error})")

@@ -11,11 +11,10 @@ from viscopoint.arguments import checked
 from viscopoint.errors import InputError
 from viscopoint.kernels.promise import differences
 from viscopoint.messages import clipped, one_line
-from viscopoint.model.simulation import Watch
-from viscopoint.results import older
 from viscopoint.results.interruption import raise_for
+from viscopoint.results.older_formats import words as older
 from viscopoint.results.run import Run
-from viscopoint.results.running import Tell, run
+from viscopoint.results.running import Tell, Watch, run
 from viscopoint.results.summary import ENDED
 
 TIMED = {"wall_time"}  # of the summary, what differs from one run to the next
@@ -60,7 +59,7 @@ class Verdict(NamedTuple):
 def verify(
     folder: str | Path, *, threads: int | None = None, watch: Watch | None = None, tell: Tell | None = None
 ) -> Verdict:
-    """Run a finished run's case again, in a temporary folder, and compare history, fields and summary bit by bit.
+    """Run a finished run's case again, in memory, and compare history, fields and summary bit by bit.
 
     ``threads`` is as ``run`` takes it.
 
@@ -71,7 +70,7 @@ def verify(
     earlier = Run(folder)
     if earlier.status not in ENDED:
         raise InputError(f"run folder {folder}: not finished ({earlier.status}), so there is nothing to compare with")
-    again = run(earlier.case, figures=False, checkpoint_every="never", threads=threads, watch=watch, tell=tell)
+    again = run(earlier.case, threads=threads, watch=watch, tell=tell)
     if again.status == "interrupted":
         raise_for(again.results.signal)
     return compare_bits(earlier, again)

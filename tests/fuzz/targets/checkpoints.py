@@ -3,7 +3,6 @@
 import shutil
 import struct
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from choices import Choices, chance, one_of
@@ -15,8 +14,11 @@ from viscopoint.errors import InputError
 from viscopoint.kernels.arrays import AnyArray
 from viscopoint.model.build import build
 from viscopoint.model.energy_balance import Row
+from viscopoint.model.simulation import Simulation
 from viscopoint.results import checkpoint
 from viscopoint.results.checkpoint import Checkpoint
+from viscopoint.results.output import OUTPUTS
+from viscopoint.results.run import Run
 
 MODULES = ("viscopoint.errors", "viscopoint.results.checkpoint")
 CASE = {"method.spacing": "1.9 mm", "method.geometry": "axisymmetric", "time.end": "4 us", "time.snapshots": ["2 us"]}
@@ -37,7 +39,8 @@ class Target:
 
         case = Case.load("paper", CASE, method="tlmpm")
         vp.run(case, self.sound, figures=False, checkpoint_every="0.5 us simulated", watch=end)
-        self.like = build(case).method.state()
+        model = build(Run(self.sound).case)
+        self.like = Simulation(model, [make(self.sound, model) for make in OUTPUTS.values()]).state()
         self.files = sorted((self.sound / checkpoint.FOLDER).iterdir())
         self.whole = self.files[-1].read_bytes()
         self.read = checkpoint.load(self.files[-1], self.like)
@@ -59,7 +62,7 @@ class Target:
         file = place / self.files[-1].name
         if self.resumed or chance(choices, 30):
             found, told = self._hostile(choices)
-            checkpoint.save(file, found.progress, found.state)
+            checkpoint.save(file, *found)
             return told
         head = 8 + struct.unpack("<Q", self.whole[:8])[0]
         content = edited(choices, self.whole[:head], (b'"__metadata__":{}', b'"dtype":"F64"', b'"shape":[1,1]'))
@@ -73,18 +76,16 @@ class Target:
         for _ in range(choices.integer(0, 3)):
             name = one_of(choices, sorted(name for name, rows in state.items() if rows.size))
             told.append(f"{name}: {_spoilt(choices, state[name])}")
-        progress = self.read.progress.model_copy(deep=True)
+        words = self.read.words.model_copy(deep=True)
         for _ in range(choices.integer(0, 2)):
-            name = one_of(choices, sorted(type(progress).model_fields))
-            value = getattr(progress, name)
+            name = one_of(choices, sorted(type(words).model_fields))
+            value = getattr(words, name)
             if isinstance(value, float):
-                setattr(progress, name, one_of(choices, WILD))
+                setattr(words, name, one_of(choices, WILD))
             elif isinstance(value, int):
-                setattr(progress, name, one_of(choices, WILD_COUNTS))
-            elif isinstance(value, list):
-                setattr(progress, name, _spoilt_list(choices, value))
-            told.append(f"{name}: {getattr(progress, name)!r:.200}")
-        return Checkpoint(progress, state), "; ".join(told)
+                setattr(words, name, one_of(choices, WILD_COUNTS))
+            told.append(f"{name}: {getattr(words, name)!r:.200}")
+        return Checkpoint(words, state), "; ".join(told)
 
     def check(self) -> None:
         if self.resumed:
@@ -93,22 +94,6 @@ class Target:
         found, faults = checkpoint.newest(self.folder, self.like)
         if found is None:
             raise InputError(str(faults))
-
-
-def _spoilt_list(choices: Choices, values: list[Any]) -> list[Any]:
-    """Return a list that is shorter, or has a wild entry, or a list in it does."""
-    if chance(choices, 30) or not values:
-        return values[: choices.integer(0, len(values))]
-    place, spoilt = choices.integer(0, len(values) - 1), list(values)
-    if isinstance(values[place], list):
-        spoilt[place] = _spoilt_list(choices, values[place])
-    elif isinstance(values[place], tuple):  # a place and a checksum, or it could not be written
-        spoilt[place] = tuple(one_of(choices, (number, *WILD_COUNTS)) for number in values[place])
-    elif isinstance(values[place], int):
-        spoilt[place] = one_of(choices, WILD_COUNTS)
-    else:
-        spoilt[place] = one_of(choices, WILD)
-    return spoilt
 
 
 def _spoilt(choices: Choices, rows: AnyArray) -> str:

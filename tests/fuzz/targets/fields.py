@@ -1,4 +1,4 @@
-"""Fields of a run folder from others: what HDF5 reads, and the journal of a snapshot that was being appended.
+"""Fields of a run folder from others: the files of snapshots, which HDF5 reads, and their index.
 
 Bytes are edited, which checksums mostly find; and what a sound file holds, its checksums right.
 """
@@ -15,17 +15,15 @@ import numpy as np
 from choices import Choices, chance, one_of
 from edits import edited
 
-from viscopoint.errors import InputError
-from viscopoint.results.output import Mark
-from viscopoint.results.output.fields import NAME, Fields, check_of
+from viscopoint.results.output.fields import INDEX, file_of
 from viscopoint.results.reader import CORRUPT
 from viscopoint.results.run import Run
 
 MODULES = (
-    "viscopoint.errors", "viscopoint.results.hdf5", "viscopoint.results.output.fields",
-    "viscopoint.results.transaction", "viscopoint.results.reader",
+    "viscopoint.errors", "viscopoint.results.hdf5", "viscopoint.results.vtkhdf", "viscopoint.results.output.fields",
+    "viscopoint.results.reader",
 )  # fmt: skip
-JOURNAL = f".{NAME}.journal"
+PIECES = (b'"time": 1e400, ', b'"name": "../outside/canary.toml", ', b'"files": [{}], ', b"[" * 500)
 HEAD = 30_000  # bytes at the beginning that describe the rest; most damage is done there
 
 
@@ -36,27 +34,25 @@ class Target:
         assert seeds is not None, "give a finished run by --seeds"
         self.folder = folder / "run"
         shutil.copytree(seeds, self.folder)
-        self.whole = (seeds / NAME).read_bytes()
+        self.file, self.index = file_of(self.folder, 0), self.folder / INDEX
+        self.whole, self.listed = self.file.read_bytes(), self.index.read_bytes()
         self.names: list[str] = []
-        with h5py.File(seeds / NAME, "r") as file:
+        with h5py.File(self.file, "r") as file:
             file.visit(self.names.append)
         self.body = Run(self.folder).body
-        self.mark = Mark(1, check_of(seeds / NAME, 1), 1)
         self.check()
 
     def lay(self, choices: Choices) -> str:
-        (self.folder / JOURNAL).unlink(missing_ok=True)
+        self.index.write_bytes(edited(choices, self.listed, PIECES) if chance(choices, 10) else self.listed)
         if chance(choices, 40):
             content, told = _restructured(choices, self.whole, self.names)
-            (self.folder / NAME).write_bytes(content)
+            self.file.write_bytes(content)
             return told
         head, rest = self.whole[:HEAD], self.whole[HEAD:]
         if chance(choices, 30):
             rest = edited(choices, rest, most=2)
         head = edited(choices, head)
-        (self.folder / NAME).write_bytes(head + rest)
-        if chance(choices, 20):
-            (self.folder / JOURNAL).write_bytes(edited(choices, b"viscopoint journal\n" + bytes(5000)))
+        self.file.write_bytes(head + rest)
         return f"{len(head)} + {len(rest)} bytes"
 
     def check(self) -> None:
@@ -64,10 +60,6 @@ class Target:
         run.body = self.body
         for number in range(min(len(run.times), 3)):
             run.profile(run.snapshot(number))
-        try:
-            Fields(self.folder, self.body, self.mark)  # as on resuming
-        except CORRUPT as error:
-            raise InputError(f"fields: {error!r}") from None
 
 
 def _restructured(choices: Choices, content: bytes, names: list[str]) -> tuple[bytes, str]:
@@ -96,7 +88,7 @@ def _resize(choices: Choices, file: Any, name: str) -> None:
 
 
 def _count(choices: Choices, file: Any, name: str) -> None:
-    file["VTKHDF/Steps"].attrs["NSteps"] = one_of(choices, (*WILD, "2", [1, 2]))
+    file["VTKHDF/NumberOfPoints"][...] = one_of(choices, WILD)
 
 
 def _rename_unit(choices: Choices, file: Any, name: str) -> None:

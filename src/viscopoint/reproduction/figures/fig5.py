@@ -23,7 +23,7 @@ SHADES = colours("magma_r", 0.03, 0.75)  # of a polymer where nothing has moved
 
 def outwards(snapshot: Snapshot) -> Array:
     """Return how far each point has moved away from the axis [mm]."""
-    now, start = snapshot["position"], snapshot["initial_position"]
+    now, start = snapshot["position"], snapshot["position"] - snapshot["displacement"]
     return np.hypot(now[:, 0], now[:, 1]) - np.hypot(start[:, 0], start[:, 1])
 
 

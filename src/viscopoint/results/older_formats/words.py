@@ -7,7 +7,8 @@ import numpy as np
 from viscopoint.kernels.arrays import Array
 from viscopoint.model.body import Body
 
-LAST = 6  # the newest format that is older
+LAST = 7  # the newest format that is older
+LAST_OF_OTHER_NODES = 6  # the last in which the outermost nodes of a mesh stood on the circumference
 UNGUARDED, ANY = ("mass_error", "lost_share", "hourglass_share"), 1e9
 ADDED = ("contact_radius", "hourglass_share", "lost_mass")  # quantities that came after it
 
@@ -15,6 +16,11 @@ ADDED = ("contact_radius", "hourglass_share", "lost_mass")  # quantities that ca
 def is_older(provenance: dict[str, Any]) -> bool:
     """Return whether a run folder's provenance is of an older format."""
     return provenance.get("format", LAST + 1) <= LAST
+
+
+def has_other_nodes(provenance: dict[str, Any]) -> bool:
+    """Return whether a run's mesh has other nodes than today's of the same case."""
+    return provenance.get("format", LAST) <= LAST_OF_OTHER_NODES
 
 
 def quantities(values: dict[str, Any], missing: Any) -> dict[str, Any]:
@@ -25,9 +31,12 @@ def quantities(values: dict[str, Any], missing: Any) -> dict[str, Any]:
 
 def tables(case: dict[str, Any]) -> dict[str, Any]:
     """Return the tables of a case in present words, without the guards that there were not."""
-    impact, guards = case.get("impact"), case.get("guards", {})
+    impact, guards, output = case.get("impact"), case.get("guards", {}), case.get("output")
     if isinstance(impact, dict) and impact.get("wall") == "symmetry":
         case = case | {"impact": impact | {"wall": "no-separation"}}
+    if isinstance(output, dict) and isinstance(interval := output.get("history_interval"), str):
+        every = 1 if interval.split()[:1] == ["0.0"] else interval
+        case = case | {"output": {"history": {"every": every}}}
     return case | {"guards": dict.fromkeys(UNGUARDED, ANY) | guards} if isinstance(guards, dict) else case
 
 

@@ -150,6 +150,31 @@ def show(run: RunFolder) -> None:
 
 
 @app.command()
+def animate(
+    run: RunFolder,
+    field: Annotated[
+        str, typer.Option(help="What colours it, such as von_mises, stress_zz or velocity.")
+    ] = "velocity_z",
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The film to write, .mp4 or .gif (default: RUN/figures/FIELD.mp4)."),
+    ] = None,
+    seconds: Annotated[float, typer.Option(help="How long it lasts.")] = 6.0,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file if it is there.")] = False,
+) -> None:
+    """Draw all snapshots of a run into a film."""
+    with _messages():
+        from viscopoint.errors import InputError
+        from viscopoint.results.folder import FIGURES
+        from viscopoint.results.run import Run
+
+        file = out or run / FIGURES / f"{field}.mp4"
+        if file.exists() and not force:
+            raise InputError(f"film {file}: already there; --force replaces it, --out chooses another place")
+        typer.echo(one_line(str(Run(run).animate(file, field, seconds=seconds))))
+
+
+@app.command()
 def compare(
     runs: Annotated[list[Path], typer.Argument(metavar="RUN RUN...", help="Run folders; the first is the reference.")],
     out: Annotated[Path, typer.Option(help="The folder to make for comparison.json and figures.")] = Path("comparison"),

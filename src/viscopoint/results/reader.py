@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from viscopoint.arguments import checked
 from viscopoint.case.case import LONGEST_FILE, Case
 from viscopoint.case.units import parse
-from viscopoint.errors import InputError
+from viscopoint.errors import InputError, nearest
 from viscopoint.model import memory
 from viscopoint.model.body import Body
 from viscopoint.model.energy_balance import UNITS
@@ -41,6 +41,8 @@ CORRUPT = (
 LARGEST_PROVENANCE, LARGEST_SUMMARY, LARGEST_HISTORY = 1_000_000, 16_000_000, 4_000_000_000  # bytes
 LARGEST_FIELDS = 2**50  # bytes; of these, what is asked for is read alone
 ALWAYS = ("position", "displacement", "velocity", "lost", "stress", "pressure", "von_mises")  # fields of any method
+AXES = ("x", "y", "z")
+COLUMNS = {3: AXES, 6: ("xx", "yy", "zz", "xy", "yz", "zx")}  # of fields, by how many they have
 NEAR = 1e-6  # of the last time: a time given in words and a snapshot's that differ by less are the same
 
 
@@ -54,6 +56,35 @@ class Snapshot:
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return the values of a field, such as ``snapshot["velocity"]``, one row per point."""
         return self.fields[name].values
+
+    def scalar(self, name: str) -> tuple[NDArray[Any], str]:
+        """Return one number per point or element, and its unit: of a component, or of a field's magnitude.
+
+        ``name`` is that of a field, with a component such as "velocity_z" or "stress_xx". Of a vector without one it
+        is the length; a tensor has none.
+
+        Raises:
+            InputError: there is no such field or component.
+        """
+        field, _, component = name.rpartition("_")
+        if name in self.fields:
+            values, unit = self.fields[name].values, self.fields[name].unit
+            if values.ndim == 1:
+                return values, unit
+            if values.shape[1] == len(AXES):
+                return np.linalg.norm(values, axis=1), unit
+        elif field in self.fields and component in (names := COLUMNS.get(self[field].shape[-1], ())):
+            return self[field][:, names.index(component)], self.fields[field].unit
+        raise InputError(f"field '{name}': {nearest(name, self._scalars())}")
+
+    def _scalars(self) -> list[str]:
+        """Return the names that ``scalar`` knows."""
+        found: list[str] = []
+        for name, field in self.fields.items():
+            width = field.values.shape[1] if field.values.ndim > 1 else 1
+            found += [name] * (width in (1, len(AXES)))
+            found += [f"{name}_{component}" for component in COLUMNS.get(width, ())]
+        return found
 
 
 class Origin(BaseModel):

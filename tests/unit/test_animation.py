@@ -34,7 +34,7 @@ def _at(file: Any, number: int) -> Any:
 
 def rod_in(picture: np.ndarray) -> np.ndarray:
     """Return which rows of a picture show a part of the rod, left of the scale."""
-    return (picture[:, : int(0.8 * picture.shape[1])] < WHITE).any(axis=(1, 2))
+    return np.asarray((picture[:, : int(0.8 * picture.shape[1])] < WHITE).any(axis=(1, 2)))
 
 
 @pytest.mark.parametrize("kind", ["gif", "mp4"])

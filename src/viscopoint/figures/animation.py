@@ -53,7 +53,8 @@ def _write_film(path: Path, pictures: Iterator[NDArray[np.uint8]], pace: float) 
     from imageio_ffmpeg import write_frames
 
     first = next(pictures)
-    film: Any = write_frames(str(path), first.shape[1::-1], fps=pace, output_params=["-f", "mp4"])
+    write: Any = write_frames  # which takes any pace
+    film = write(str(path), first.shape[1::-1], fps=pace, output_params=["-f", "mp4"])
     film.send(None)
     for picture in chain([first], pictures):
         film.send(np.ascontiguousarray(picture))

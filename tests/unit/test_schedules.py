@@ -96,6 +96,11 @@ def test_a_wrong_schedule_is_told_by_its_key(changes: dict[str, Any], told: str)
         vp.Case.load("paper", changes)
 
 
+def test_snapshots_by_steps_that_would_be_too_many_are_refused():
+    with pytest.raises(vp.InputError, match=r"time\.snapshots: each 1 of about .* steps; no more than 10,000"):
+        vp.run(case(time={"end": "100 ms", "snapshots": {"every": 1}}))
+
+
 class Heights(Callback):
     """What a user may add: the height of the rod's lowest point, at an interval."""
 
@@ -104,6 +109,11 @@ class Heights(Callback):
     def __init__(self) -> None:
         self.found: list[tuple[float, float]] = []
 
+    closed = False
+
+    def close(self) -> None:
+        self.closed = True
+
     def __call__(self, simulation: Simulation) -> None:
         self.found.append((simulation.time, simulation.model.bodies[0].positions()[:, 2].min()))
 
@@ -111,6 +121,7 @@ class Heights(Callback):
 def test_a_callback_of_a_user_s_own_is_called_on_its_schedule():
     heights = Heights()
     run = vp.run(case(), callbacks=[heights])
+    assert heights.closed
     times, lowest = np.transpose(heights.found)
     rows = np.searchsorted(run.columns["time"], times)
     assert np.array_equal(run.columns["time"][rows], times)

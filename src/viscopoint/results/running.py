@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from viscopoint.arguments import checked
 from viscopoint.case.case import Case
+from viscopoint.case.schedules import MOST_TIMES
 from viscopoint.errors import InputError, ResultWarning, ViscopointWarning
 from viscopoint.kernels.promise import NOT_THE_SAME, differences, promise
 from viscopoint.kernels.threads import check, chosen, using
@@ -126,7 +127,9 @@ def _in_memory(model: Model, options: Options) -> Run:
     fields = FieldsInMemory()
     options.tell("starting; the first time this compiles")
     threads = chosen(options.threads, model.size)
-    with noted(options.tell) as stop, using(threads):
+    with noted(options.tell) as stop, using(threads), contextlib.ExitStack() as stack:
+        for callback in options.callbacks:
+            stack.callback(callback.close)
         simulation = Simulation(model, [_Reporter(options), fields, *options.callbacks], stop)
         outcome = simulation.run()
     return RunInMemory(simulation, outcome, fields, threads)
@@ -335,4 +338,9 @@ def _bound_steps(model: Model) -> None:
         raise InputError(
             f"time.end: {end * 1e3:g} us at a stable step of {step * 1e3:.3g} us takes more than {MOST_STEPS:,} steps; "
             "check the units of material and method"
+        )
+    every = model.case.time.snapshots.steps
+    if every and end / (step * every) > MOST_TIMES:
+        raise InputError(
+            f"time.snapshots: each {every} of about {end / step:.3g} steps; no more than {MOST_TIMES:,} are kept"
         )
